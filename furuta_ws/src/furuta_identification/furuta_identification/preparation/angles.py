@@ -7,7 +7,7 @@ from furuta_identification.regression.pendulum_motion import PendulumMotion, pen
 from furuta_identification.regression.speeds import speed_as_slope
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_recordings.recording import Recording, by_run
+from furuta_recordings.recording import Recording
 
 DEGREE = np.pi / 180.0
 AUTO, RADIANS, DEGREES = ANGLE_UNITS
@@ -36,15 +36,7 @@ def angle_unit(recordings: list[Recording], angles: str) -> str:
     unknown = [recording for recording in recordings if not recording.in_radians]
     if angles != AUTO or not unknown:
         return RADIANS if angles == AUTO else angles
-    runs = by_run(unknown)
-    each = [sum(map(_log_odds_of_radians, run)) for run in runs]
-    (first, *_), (last, *_) = runs[int(np.argmin(each))], runs[int(np.argmax(each))]
-    if min(each) + USUAL < -SURE and max(each) + USUAL > SURE:
-        raise ParameterError(
-            f"{first.name}: its motion shows angles in {DEGREES}, that of {last.name} in {RADIANS};"
-            f" name the unit in the columns' names, as in angle [{DEGREES}], or convert one"
-        )
-    odds = USUAL + sum(each)
+    odds = USUAL + sum(map(_log_odds_of_radians, unknown))
     if abs(odds) < SURE:
         raise ParameterError(
             f"{', '.join(r.name for r in unknown)}: the motion does not tell whether angles "
@@ -151,7 +143,9 @@ def _zero(recording: Recording, motion: PendulumMotion, zero: str | float) -> tu
         return np.pi - zero, f"{np.degrees(zero):g}° from hanging (as given)"
     nearest = UPRIGHT if abs(motion.zero) < 0.5 * np.pi else HANGING
     error = abs(motion.zero) if nearest == UPRIGHT else np.pi - abs(motion.zero)
-    sure = motion.gravity > SURE_SIGN * motion.gravity_error
+    # Balanced by an arm that moves by less than the sensor's step, the pendulum seems to hang.
+    arm_moves = np.isfinite(motion.coupling_error)
+    sure = arm_moves and motion.gravity > SURE_SIGN * motion.gravity_error
     known = sure and error < LARGEST_ERROR
     if zero == AUTO and not known:
         raise ParameterError(

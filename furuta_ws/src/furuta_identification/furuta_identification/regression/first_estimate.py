@@ -7,13 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.regression.equations import (
-    arm_equation,
-    arm_misfits,
-    pendulum_equation,
-)
+from furuta_identification.regression.equations import arm_misfits, arm_rows
 from furuta_identification.regression.speeds import with_speeds
-from furuta_identification.regression.windows import Windows
+from furuta_identification.regression.windows import regress
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -84,13 +80,12 @@ def _most_certain(recordings: list[Recording], lag: float, delay: float) -> Mome
 
 def momentum_fit(recording: Recording) -> MomentumFit:
     """Fit a recording that has all speeds, with θ = 0 upright."""
-    windows = Windows(recording.time)
-    pendulum = pendulum_equation(recording, windows).coefficients
-    arm = arm_equation(recording, windows, *pendulum[:2])
+    rows = arm_rows(recording)
+    arm = regress(rows.columns, rows.commanded(recording))
     alpha, delta, viscous, forward, backward = arm.coefficients
     one_way = not np.all(np.isfinite(arm.errors[3:]))
     coulomb = forward + backward if one_way else 0.5 * (forward + backward)
     asymmetry = 0.0 if one_way or coulomb == 0.0 else 0.5 * (forward - backward) / coulomb
-    beta, gamma, joint_viscous, joint_coulomb = pendulum[:4] * delta
+    beta, gamma, joint_viscous, joint_coulomb = rows.pendulum[:4] * delta
     body, of_arm = (alpha, beta, gamma, delta), (viscous, coulomb, asymmetry)
     return MomentumFit(*body, *of_arm, joint_viscous, joint_coulomb, arm.errors[0])
