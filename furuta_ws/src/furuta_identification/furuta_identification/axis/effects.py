@@ -109,7 +109,7 @@ def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
         velocity = AT_ONCE * scales.speed
         model = best.model._replace(stribeck_velocity=velocity)
         best = fit_with_fall(cut, best, model, scales)
-    return _reduced(cut, fit(cut, best.model, best.unknowns, best.first), scales)
+    return _reduced(cut, fit(cut, best.model, best.unknowns, best.state.first), scales)
 
 
 def _waves(scales: Scales) -> list[tuple[str, ...]]:
@@ -125,9 +125,8 @@ def _without(best: Fit, dropped: Sequence[str], scales: Scales) -> tuple[AxisMod
 def _exchanged(cut: Segmented, best: Fit, dropped: Sequence[str], scales: Scales) -> Fit:
     """The fit without some unknowns, but with the wave that then explains most."""
     model, about = _without(best, dropped, scales)
-    without = best._replace(
-        model=model, unknowns=about, residuals=residuals(model, best.first, cut.data)
-    )
+    state = best.state._replace(model=model, residuals=residuals(model, best.state.first, cut.data))
+    without = best._replace(state=state, unknowns=about)
     others = [group for group in _waves(scales) if group[0] not in about.names]
     _, gains = _chances(cut, without, others, scales)
     other = others[int(np.argmax(gains))]
@@ -154,11 +153,11 @@ def _reduced(cut: Segmented, best: Fit, scales: Scales) -> Fit:
     waves = [(f"cos {int(n)}", f"sin {int(n)}") for n in best.model.waves[:, 0]]
     for group in (*((name,) for name in _smooth_effects(True)), *waves):
         if group[0] in best.unknowns.names and chance_of(best, group) > _allowed(group):
-            best = fit(cut, *_without(best, group, scales), best.first)
+            best = fit(cut, *_without(best, group, scales), best.state.first)
     if best.model.alpha1:
         names = [name for name in best.unknowns.names if name not in FALL]
         plain = best.model._replace(alpha1=0.0)
-        without = fit(cut, plain, unknowns(names, scales, plain), best.first)
+        without = fit(cut, plain, unknowns(names, scales, plain), best.state.first)
         best = best if _gained(without, best) else without
     return best
 
@@ -168,14 +167,14 @@ def chance_of(best: Fit, group: Sequence[str], covered: np.ndarray | None = None
     rows = [best.unknowns.names.index(name) for name in group]
     values = np.array([value_of(best.model, name) for name in group]) / best.unknowns.sizes[rows]
     covered = best.covariance if covered is None else covered
-    return significance(values, covered[np.ix_(rows, rows)], len(best.scores))
+    return significance(values, covered[np.ix_(rows, rows)], best.segments)
 
 
 def _extended(cut: Segmented, best: Fit, more: Sequence[str], scales: Scales) -> Fit:
     model = best.model
     names = (*best.unknowns.names, *more)
     about = unknowns(names, scales, model)
-    return fit(cut, model, about, best.first, COARSE)
+    return fit(cut, model, about, best.state.first, COARSE)
 
 
 def _chances(
@@ -189,16 +188,17 @@ def _chances(
     more = [name for group in groups for name in group]
     known = best.unknowns.names
     every = unknowns((*known, *more), scales, best.model)
-    about = linearised(best.model, best.first, cut, every, best.residuals)
+    about = linearised(best.state, cut, every)
     chances, gains = [], []
     for group in groups:
         rows = [*range(len(known)), *(len(known) + more.index(name) for name in group)]
-        part, last = np.ix_(rows, rows), len(group)
-        information, blocks = about.information[part], about.blocks[:, rows][:, :, rows]
-        step = np.linalg.solve(information, about.gradient[rows])
+        information = about.information[np.ix_(rows, rows)]
+        blocks = about.blocks[:, rows][:, :, rows]
+        step, last = np.linalg.solve(information, about.gradient[rows]), len(group)
         scores = about.scores[:, rows] - blocks @ step
         chosen = Unknowns((), every.sizes[rows], every.priors[rows])
-        covered = covariance(information, blocks, scores, chosen)[-last:, -last:]
+        part = about._replace(information=information, blocks=blocks, scores=scores)
+        covered = covariance(part, chosen)[-last:, -last:]
         chances.append(significance(step[-last:], covered, len(scores)))
         inverse = np.linalg.pinv(information)[-last:, -last:]
         gains.append(step[-last:] @ np.linalg.pinv(inverse) @ step[-last:])
@@ -216,7 +216,7 @@ def covariance_with_missed(cut: Segmented, best: Fit, scales: Scales, drift: boo
         if name in known:
             continue
         every = unknowns((*known, name), scales, best.model)
-        about = linearised(best.model, best.first, cut, every, best.residuals)
+        about = linearised(best.state, cut, every)
         # A prior weighs as much against squares that are not those of white noise.
         prior = np.diag((allowed - 1.0) * (every.sizes / every.priors) ** 2)
         shift = np.linalg.solve(about.information + prior, about.gradient)[:-1]
@@ -280,7 +280,7 @@ def fit_with_fall(cut: Segmented, about: Fit, model: AxisModel, scales: Scales) 
     names = [name for name in about.unknowns.names if name not in FALL]
     more = FALL if model.stribeck_velocity > 2.0 * AT_ONCE * scales.speed else ()
     every = unknowns((*names, *more), scales, model)
-    return fit(cut, model, every, about.first, COARSE)
+    return fit(cut, model, every, about.state.first, COARSE)
 
 
 def _falls(model: AxisModel, scales: Scales) -> Iterable[list[AxisModel]]:

@@ -40,32 +40,71 @@ class Unknowns(NamedTuple):
     priors: np.ndarray
 
 
-class Fit(NamedTuple):
-    """A fit: the model, the segments' first states (s, 2), and what errors are computed from.
+class State(NamedTuple):
+    """Where a fit is: the model, the segments' first states (s, 2), residuals (n,) and their cost.
 
-    ``information`` (p, p) and ``scores`` (s, p) are in units of the unknowns' sizes. ``rms`` is the
-    root mean square of the residuals in the noise of the position, ``residuals`` (n,) all of them.
+    Residuals are in the noise of the position.
     """
 
     model: AxisModel
     first: np.ndarray
-    unknowns: Unknowns
-    information: np.ndarray
-    blocks: np.ndarray
-    scores: np.ndarray
-    cost: float
-    rms: float
     residuals: np.ndarray
+    cost: float
+
+
+class Linearised(NamedTuple):
+    """The least-squares problem about a state, first states eliminated, in the unknowns' sizes.
+
+    ``information`` (p, p) is the sum of the segments' ``blocks`` (s, p, p) and that of the priors,
+    ``gradient`` (p,) that of their ``scores`` (s, p). ``back`` and ``own`` give the first states.
+    """
+
+    information: np.ndarray
+    gradient: np.ndarray
+    scores: np.ndarray
+    blocks: np.ndarray
+    back: np.ndarray
+    own: np.ndarray
+    columns: np.ndarray
+    states: np.ndarray
+
+
+class Fit(NamedTuple):
+    """A fit: where it ended, what was fitted, and what errors are computed from."""
+
+    state: State
+    unknowns: Unknowns
+    about: Linearised
+
+    @property
+    def model(self) -> AxisModel:
+        """The fitted model."""
+        return self.state.model
+
+    @property
+    def cost(self) -> float:
+        """Squares of residuals, first states and priors."""
+        return self.state.cost
+
+    @property
+    def segments(self) -> int:
+        """The number of segments."""
+        return len(self.about.scores)
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the residuals, in the noise of the position."""
+        return float(np.sqrt(np.mean(self.state.residuals**2)))
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance (p, p) of the unknowns in their sizes, by segments."""
-        return covariance(self.information, self.blocks, self.scores, self.unknowns)
+        return covariance(self.about, self.unknowns)
 
     @property
     def inflation(self) -> float:
         """Variance by segments over that of white noise, at least that of white residuals."""
-        white = np.diag(np.linalg.pinv(self.information))
+        white = np.diag(np.linalg.pinv(self.about.information))
         own = np.diag(self.covariance)
         kept = [k for k, name in enumerate(self.unknowns.names) if name in SURE]
         return float(max(np.median(own[kept] / white[kept]), self.rms**2))
@@ -112,45 +151,17 @@ def residuals(model: AxisModel, first: np.ndarray, data: AxisData) -> np.ndarray
     return np.clip(np.nan_to_num(data.position - out, posinf=far), -far, far) / data.noise
 
 
-class Linearised(NamedTuple):
-    """The least-squares problem about a model, first states eliminated."""
-
-    information: np.ndarray
-    gradient: np.ndarray
-    scores: np.ndarray
-    blocks: np.ndarray
-    back: np.ndarray
-    own: np.ndarray
-    columns: np.ndarray
-    states: np.ndarray
-
-
-def linearised(
-    model: AxisModel, first: np.ndarray, cut: Segmented, unknowns: Unknowns, base: np.ndarray
-) -> Linearised:
+def linearised(state: State, cut: Segmented, unknowns: Unknowns) -> Linearised:
     """Normal equations of the unknowns, each segment's own states eliminated."""
-    data, p = cut.data, len(unknowns.names)
+    model, first, base, _ = state
+    data, p, count = cut.data, len(unknowns.names), len(cut.data.starts)
     _, slopes = positions_and_slopes(model, first, data, (*unknowns.names, "q", "v"))
     slopes = np.clip(np.nan_to_num(slopes), -FAR, FAR)
     columns = slopes[:, :p] * (unknowns.sizes / data.noise)
     states = slopes[:, p:] * np.repeat(cut.spread / data.noise, cut.lengths, axis=0)
-    return _eliminated(
-        columns, states, base, (cut.first - first) / cut.spread, cut, unknowns, model
-    )
-
-
-def _eliminated(
-    columns: np.ndarray,
-    states: np.ndarray,
-    base: np.ndarray,
-    prior: np.ndarray,
-    cut: Segmented,
-    unknowns: Unknowns,
-    model: AxisModel,
-) -> Linearised:
-    count, size = len(cut.data.starts), columns.shape[1]
-    blocks, scores = np.empty((count, size, size)), np.empty((count, size))
-    back, own = np.empty((count, 2, size)), np.empty((count, 2))
+    prior = (cut.first - first) / cut.spread
+    blocks, scores = np.empty((count, p, p)), np.empty((count, p))
+    back, own = np.empty((count, 2, p)), np.empty((count, 2))
     for s, (start, end) in enumerate(itertools.pairwise(cut.bounds)):
         a, b, r = columns[start:end], states[start:end], base[start:end]
         cross = b.T @ a
@@ -173,84 +184,67 @@ def fit(
     enough: float = FINE,
 ) -> Fit:
     """Minimise the squared residuals from a start; first states are free about the measured."""
-    first = cut.first if first is None else first
-    base = residuals(model, first, cut.data)
-    state = _State(model, first, base, _cost(base, first, cut, model, unknowns))
+    state = _state_of(model, cut.first if first is None else first, cut, unknowns)
     for _ in range(SEARCHES):
-        state = _descended(cut, state, unknowns, enough)
-        first = _searched(state, cut)
-        base = residuals(state.model, first, cut.data)
-        cost = _cost(base, first, cut, state.model, unknowns)
-        gain, state = state.cost - cost, state._replace(first=first, residuals=base, cost=cost)
-        if gain < max(RESTART * cost, enough):
+        before = _descended(cut, state, unknowns, enough)
+        state = _state_of(before.model, _searched(before, cut), cut, unknowns)
+        if before.cost - state.cost < max(RESTART * state.cost, enough):
             break
-    about = linearised(state.model, state.first, cut, unknowns, state.residuals)
-    rms = float(np.sqrt(np.mean(state.residuals**2)))
-    return Fit(
-        state.model,
-        state.first,
-        unknowns,
-        about.information,
-        about.blocks,
-        about.scores,
-        state.cost,
-        rms,
-        state.residuals,
+    return Fit(state, unknowns, linearised(state, cut, unknowns))
+
+
+def _state_of(model: AxisModel, first: np.ndarray, cut: Segmented, unknowns: Unknowns) -> State:
+    """The state of a model and first states.
+
+    Its cost are the squares of residuals, of the first states about the measured ones, and of the
+    priors.
+    """
+    base = residuals(model, first, cut.data)
+    values = np.array([value_of(model, name) for name in unknowns.names])
+    cost = float(
+        base @ base
+        + np.sum(((first - cut.first) / cut.spread) ** 2)
+        + np.sum((values / unknowns.priors) ** 2)
     )
+    return State(model, first, base, cost)
 
 
-class _State(NamedTuple):
-    """Where a fit is."""
-
-    model: AxisModel
-    first: np.ndarray
-    residuals: np.ndarray
-    cost: float
-
-
-def _descended(cut: Segmented, state: _State, unknowns: Unknowns, enough: float) -> _State:
+def _descended(cut: Segmented, state: State, unknowns: Unknowns, enough: float) -> State:
     """Levenberg-Marquardt from a state."""
     damping = 1e-3
     for _ in range(MOST_ITERATIONS):
-        about = linearised(state.model, state.first, cut, unknowns, state.residuals)
-        better = None
+        about, better = linearised(state, cut, unknowns), None
         for _ in range(8):
             weighted = about.information + damping * np.diag(np.diag(about.information))
             step = np.linalg.lstsq(weighted, about.gradient, rcond=None)[0]
             new = _stepped(state.model, unknowns, step)
             shift = np.clip(about.own - np.einsum("sip,p->si", about.back, step), -LARGEST, LARGEST)
-            moved = state.first + shift * cut.spread
-            there = residuals(new, moved, cut.data)
-            value = _cost(there, moved, cut, new, unknowns)
-            if value >= state.cost:
-                moved, there = _best_starts(new, (moved, state.first), cut)
-                value = _cost(there, moved, cut, new, unknowns)
-            if value < state.cost:
-                better = _State(new, moved, there, value)
+            there = _state_of(new, state.first + shift * cut.spread, cut, unknowns)
+            if there.cost >= state.cost:
+                starts = _best_starts(new, (there.first, state.first), cut)
+                there = _state_of(new, starts, cut, unknowns)
+            if there.cost < state.cost:
+                better = there
                 break
             damping *= 5.0
         if better is None:
             break
         gain, state = state.cost - better.cost, better
         damping = max(damping / 5.0, 1e-9)
-        if gain < enough * max(state.cost / len(there), 1.0):
+        if gain < enough * max(state.cost / len(state.residuals), 1.0):
             break
     return state
 
 
-def _best_starts(
-    model: AxisModel, choices: Sequence[np.ndarray], cut: Segmented
-) -> tuple[np.ndarray, np.ndarray]:
-    """The best choice of first states for each segment, which are independent, and residuals.
+def _best_starts(model: AxisModel, choices: Sequence[np.ndarray], cut: Segmented) -> np.ndarray:
+    """The best choice of first states for each segment, which are independent.
 
     Near rest a residual is no smooth function of the first speed: several are compared.
     """
-    outcomes = [residuals(model, choice, cut.data) for choice in choices]
-    costs = [_segment_costs(r, c, cut) for r, c in zip(outcomes, choices, strict=True)]
+    costs = [_segment_costs(residuals(model, each, cut.data), each, cut) for each in choices]
     best = np.argmin(costs, axis=0)
-    rows = np.repeat(best, cut.lengths)
-    states = np.array(choices)[best, np.arange(len(best))]
-    return states, np.array(outcomes)[rows, np.arange(len(rows))]
+    states: np.ndarray = np.array(choices)[best, np.arange(len(best))]
+    return states
 
 
 def _segment_costs(r: np.ndarray, first: np.ndarray, cut: Segmented) -> np.ndarray:
@@ -259,7 +253,7 @@ def _segment_costs(r: np.ndarray, first: np.ndarray, cut: Segmented) -> np.ndarr
     return own + np.sum(((first - cut.first) / cut.spread) ** 2, axis=1)
 
 
-def _searched(state: _State, cut: Segmented) -> np.ndarray:
+def _searched(state: State, cut: Segmented) -> np.ndarray:
     """First states (s, 2); those of badly explained segments are the best of several speeds.
 
     Each speed has the first position that suits it.
@@ -280,7 +274,7 @@ def _searched(state: _State, cut: Segmented) -> np.ndarray:
             shift = (np.add.reduceat(r, data.starts) + pull * scale) / (part.lengths + scale**2)
             choice[:, 0] += shift * data.noise
             choices.append(choice)
-    first[bad], _ = _best_starts(state.model, choices, part)
+    first[bad] = _best_starts(state.model, choices, part)
     return first
 
 
@@ -296,25 +290,12 @@ def _stepped(model: AxisModel, unknowns: Unknowns, step: np.ndarray) -> AxisMode
     return changed(model, unknowns.names, values)
 
 
-def _cost(
-    base: np.ndarray, first: np.ndarray, cut: Segmented, model: AxisModel, unknowns: Unknowns
-) -> float:
-    """Squares of residuals, of the first states about the measured ones, and of the priors."""
-    values = np.array([value_of(model, name) for name in unknowns.names])
-    return float(
-        base @ base
-        + np.sum(((first - cut.first) / cut.spread) ** 2)
-        + np.sum((values / unknowns.priors) ** 2)
-    )
-
-
 def projection(cut: Segmented, about: Fit) -> Callable[[AxisModel], np.ndarray]:
     """A function of a model: squares of each segment (s,) after one Gauss-Newton step from it.
 
     The slopes are those of the fit: the model must be near.
     """
-    at = linearised(about.model, about.first, cut, about.unknowns, about.residuals)
-    columns, states = at.columns, at.states
+    columns, states = about.about.columns, about.about.states
     pairs = list(itertools.pairwise(cut.bounds))
     bases = [np.linalg.qr(states[a:b])[0] for a, b in pairs]
 
@@ -326,20 +307,18 @@ def projection(cut: Segmented, about: Fit) -> Callable[[AxisModel], np.ndarray]:
     basis, _ = np.linalg.qr(without(columns))
 
     def squares(model: AxisModel) -> np.ndarray:
-        left = without(residuals(model, about.first, cut.data))
+        left = without(residuals(model, about.state.first, cut.data))
         left -= basis @ (basis.T @ left)
         return np.add.reduceat(left**2, cut.data.starts)
 
     return squares
 
 
-def covariance(
-    information: np.ndarray, blocks: np.ndarray, scores: np.ndarray, unknowns: Unknowns
-) -> np.ndarray:
+def covariance(about: Linearised, unknowns: Unknowns) -> np.ndarray:
     """Covariance (p, p) of the unknowns in their sizes, by the scores of the segments.
 
     What is left of an encoder's counts is no white noise. The priors' part is added.
     """
-    inverse = np.linalg.pinv(information)
+    inverse = np.linalg.pinv(about.information)
     of_prior = inverse @ np.diag((unknowns.sizes / unknowns.priors) ** 2) @ inverse
-    return jackknife(information, blocks, scores) + of_prior
+    return jackknife(about.information, about.blocks, about.scores) + of_prior

@@ -117,7 +117,7 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
         # Errors of the model are the noise then: they also make the first states uncertain.
         cut = cut.with_noise(base.rms * cut.data.noise)
-        base = fit(cut, base.model, base.unknowns, base.first, COARSE)
+        base = fit(cut, base.model, base.unknowns, base.state.first, COARSE)
     best = supported(cut, base, scales, drift=len(ready) == 1)
     return _result(ready, cut, best, scales, sensor)
 
@@ -171,7 +171,7 @@ def _result(
     hidden = largest_hidden_fall(cut, best, scales)
     if best.model.alpha1 and "alpha1" not in best.unknowns.names:
         value, error = best.model.alpha1, stiction_error(cut, best)
-        if significance(np.array([value]), np.array([[error**2]]), len(best.scores)) < BY_CHANCE:
+        if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
             values["alpha1"], errors["alpha1"] = value, error
         else:
             undetermined["alpha1"] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
@@ -244,7 +244,7 @@ def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tup
             f"the model leaves {100.0 * part:.1f} % of the motion, {noises:.1f} times the noise of "
             "the position: something acts that it does not have"
         )
-    segments, unknown = len(best.scores), len(best.unknowns.names)
+    segments, unknown = best.segments, len(best.unknowns.names)
     if segments < FEWEST_SEGMENTS * unknown:
         usable = "doubtful" if usable == "yes" else usable
         reasons.append(f"{segments} segments for {unknown} unknowns: record for longer")
