@@ -25,7 +25,6 @@ from furuta_graph.settings.nodes import NODES
 # How rosdep installs a key on Ubuntu 24.04. Source: rosdep/python.yaml and jazzy/distribution.yaml
 # of github.com/ros/rosdistro at commit 8468e88ccd523427f9131e39d2af0938f1c298b2.
 APT = {
-    "python3-catkin-pkg-modules",
     *(
         "python3-click",
         "python3-hypothesis",
@@ -56,7 +55,6 @@ WITHOUT_KEY = {
 
 # The key of each import that has another name.
 KEY_OF_IMPORT = {
-    "catkin_pkg": "python3-catkin-pkg-modules",
     "cobs": "python-cobs-pip",
     "control": "python-control-pip",
     "mcap": "mcap-ros2-support",
@@ -71,7 +69,6 @@ COMMANDS = {"mypy", "types-pyyaml", "ruff"}
 TAGS = ("depend", "build_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
-    "catkin_pkg": "catkin-pkg",
     "flint": "python-flint",
     "serial": "pyserial",
     "yaml": "pyyaml",
@@ -83,8 +80,6 @@ REQUIREMENT_OF_IMPORT = {
 }
 # Folders with a ``requirements.in``.
 REQUIREMENTS = (".", "benchmarks", "course", "docs", "examples", "firmware", "furuta_ws/tests")
-# For Python 3.12, where the lowest version has no wheel.
-NEXT_WITH_WHEEL = {"matplotlib": ["3.8.0"]}
 # Only where ROS is installed; the launch file needs them.
 ONLY_WITH_ROS = {"launch", "launch_ros"}
 
@@ -119,16 +114,6 @@ def extras(package: str) -> dict[str, list[str]]:
     """The extras of a package's setup.cfg."""
     section = setup_options(package)["options.extras_require"]
     return {key: value.split() for key, value in section.items()}
-
-
-def locked(file: str) -> dict[str, list[str]]:
-    """The versions of each package in a lock file; several depend on the version of Python."""
-    versions: dict[str, list[str]] = {}
-    for name, version in re.findall(
-        r"^([\w-]+)==([\w.]+)", (ROOT / file).read_text(), re.MULTILINE
-    ):
-        versions.setdefault(name, []).append(version)
-    return versions
 
 
 @pytest.mark.parametrize("package", PACKAGES)
@@ -174,29 +159,3 @@ def test_imports_are_required() -> None:
     own = helpers() | set(PACKAGES) | {file.stem for file in scripts}
     names = imported([*scripts, *tests, *sources]) - own - ONLY_WITH_ROS
     assert {REQUIREMENT_OF_IMPORT.get(name, name) for name in names} <= required
-
-
-def test_lowest_versions_are_those_of_the_tests() -> None:
-    """Each is declared once and is the version of requirements.noble.lock, no later one."""
-    declared = [*product_requirements()]
-    for folder in (".", "furuta_ws/tests"):
-        declared += (ROOT / folder / "requirements.in").read_text().splitlines()
-    lowest = [each.partition(",")[0].split(">=") for each in declared if ">=" in each]
-    names = [name for name, _ in lowest]
-    assert len(names) == len(set(names))
-    assert {"numpy", "scipy", "numba", "click", "matplotlib", "rich", "pyyaml"} <= set(names)
-    tested = locked("requirements.noble.lock")
-    wanted = {name: [version, *NEXT_WITH_WHEEL.get(name, [])] for name, version in lowest}
-    assert {name: tested[name] for name in names} == wanted
-
-
-OF_TESTS = "furuta_ws/tests/requirements.lock"
-
-
-@pytest.mark.parametrize(
-    "files", [("requirements.lock", OF_TESTS), ("requirements.noble.lock",)], ids=str
-)
-def test_everything_required_is_locked(files: tuple[str, ...]) -> None:
-    """What a verb needs is in both environments, some extras only in that of the tests."""
-    names = {re.split(r"[\[>]", each)[0] for each in product_requirements()}
-    assert names <= set().union(*(locked(file).keys() for file in files))

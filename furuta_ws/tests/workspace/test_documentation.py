@@ -11,7 +11,6 @@ import pytest
 from sources import ROOT
 
 from furuta_bringup.main import furuta
-from furuta_graph.settings.nodes import NODES
 from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.topics import EVERY_TOPIC
 
@@ -63,18 +62,6 @@ def slug(heading: str) -> str:
     """The anchor that GitHub gives a heading."""
     kept = re.sub(r"[^\w\- ]", "", heading.lower().replace("`", ""))
     return kept.strip().replace(" ", "-")
-
-
-@pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)
-def test_package_page_names_what_is_there(package: Path) -> None:
-    """Files and folders of the package, its executables, and how to list its nodes' parameters."""
-    page = (package / "README.md").read_text()
-    for name in re.findall(r"`([\w/]+(?:\.py|\.yaml|/))`", page):
-        assert any((folder / name).exists() for folder in (package, package / package.name)), name
-    for executable in re.findall(r"^    (\w+) = furuta", (package / "setup.cfg").read_text(), re.M):
-        assert f"`{executable}`" in page
-        if executable in NODES:
-            assert f"./furuta param defaults {executable}" in page
 
 
 def test_commands_exist(monkeypatch: pytest.MonkeyPatch, no_parts: None) -> None:

@@ -1,14 +1,11 @@
 """The page on the library lists what there is; the Python of every page runs."""
 
 import re
-import sys
 from importlib.util import find_spec
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import commands
-import numpy as np
 import pytest
 from sources import ROOT
 
@@ -18,19 +15,6 @@ LIBRARY = ROOT / "docs" / "library.md"
 # A block of Python with the comments above it. One with a title is a file of its own.
 BLOCK = re.compile(r"((?:^<!-- .* -->\n+)*)^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
 PAGES = [file for file in commands.page_files() if "```python\n" in file.read_text()]
-
-
-class Table:
-    """What the pages use of pandas, if it is not installed."""
-
-    def __init__(self, given: Any) -> None:
-        self.columns = dict(given)
-        assert {np.ndim(column) for column in self.columns.values()} == {1}
-        assert len({len(column) for column in self.columns.values()}) == 1
-
-    def plot(self, x: str, y: list[str]) -> None:
-        """Only the columns must exist."""
-        assert {x, *y} <= self.columns.keys()
 
 
 def test_library_page_has_every_name() -> None:
@@ -45,18 +29,18 @@ def blocks(page: Path) -> list[str]:
     """The blocks of a page that can run here: no note and no file of another rig forbids it."""
     found = [(code, tuple(commands.NOTE.findall(n))) for n, code in BLOCK.findall(page.read_text())]
     usable = [code for code, notes in found if not commands.reason_not_to_run(code, notes)]
-    return [code for code in usable if "gymnasium" not in code or find_spec("gymnasium")]
+    missing = [name for name in ("gymnasium", "pandas") if find_spec(name) is None]
+    return [code for code in usable if not any(name in code for name in missing)]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Block after block, as a reader types them; with shorter simulations."""
     monkeypatch.chdir(tmp_path)
-    if find_spec("pandas") is None:
-        monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=Table))
     furuta.write_series("run.csv", furuta.simulated_series(furuta.simulate(seconds=0.1)))
     names: dict[str, Any] = {}
     for code in blocks(page):
         short = re.sub(r"\b[36]0\.0\b", "5.0", code).replace("rigs(100", "rigs(2")
         exec(compile(short, page.name, "exec"), names)
-    assert names
+    if not names:
+        pytest.skip("the page needs a package that is not installed")

@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import base64
-import json
 import re
-import shutil
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from time import monotonic
@@ -17,7 +14,6 @@ import page_designs as designs
 import pytest
 from browser import OPTIONS, browser_path
 from one_page import build
-from sources import ROOT
 
 from furuta_model.block import block
 from furuta_model.compiled import compiled
@@ -87,20 +83,6 @@ def assert_same(results: np.ndarray, expected: np.ndarray) -> None:
     differs = (results != expected) & ~(np.isnan(results) & np.isnan(expected))
     assert not differs.any(), np.argwhere(differs)[0]
     assert np.ptp(expected[:, 0]) > 0.01
-
-
-NODE = """
-const fs = require("fs"), vm = require("vm");
-const html = fs.readFileSync(process.argv[2], "utf8");
-const data = JSON.parse(html.match(/<script id="data"[^>]*>([^]*?)<\\/script>/)[1]);
-vm.runInThisContext(fs.readFileSync(process.argv[3], "utf8") + "; this.Loop = Loop");
-const loop = new Loop(data);
-loop.turn(JSON.parse(process.argv[4]));
-loop.signals[13] = %d; loop.push(%d, %r, %r);
-const noise = fs.readFileSync(process.argv[5]);
-const given = new Float64Array(noise.buffer, noise.byteOffset, noise.length / 8);
-fs.writeFileSync(process.argv[6], new Uint8Array(loop.replay(given).buffer));
-"""
 
 
 @pytest.fixture(scope="module")
@@ -175,22 +157,3 @@ def test_scenes_show_what_they_say(page: Any) -> None:
     page.set_viewport_size({"width": 400, "height": 800})
     assert page.evaluate("document.documentElement.scrollWidth") == 400
     assert not page.failures
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("case", CASES)
-def test_a_million_samples_in_node(case: str, page_file: Path, tmp_path: Path) -> None:
-    """The same noise gives the same bits."""
-    node = shutil.which("node")
-    if node is None:
-        pytest.skip("NODE IS MISSING: the long comparison of the page has not run")
-    noise = np.random.default_rng(1).standard_normal((1_000_000, 2))
-    (tmp_path / "run.js").write_text(NODE % PUSH)
-    noise.tofile(tmp_path / "noise")
-    script = ROOT / "docs/site/page/loop.js"
-    knobs, out = json.dumps(CASES[case]), tmp_path / "results"
-    subprocess.run(
-        [node, tmp_path / "run.js", page_file, script, knobs, tmp_path / "noise", out], check=True
-    )
-    results = np.fromfile(out).reshape(-1, RESULTS)
-    assert_same(results, python_results(CASES[case], noise))

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 from ament_index_python.packages import get_package_share_directory
-from ament_index_python.resources import get_resources
 from sources import PACKAGES, ROOT, SOURCES, imports, modules
 
 from furuta_bringup.parameter_files import parameter_file
@@ -113,13 +112,6 @@ def test_colcon_takes_every_package_for_ament_python() -> None:
     assert types == dict.fromkeys(PACKAGES, "(ros.ament_python)")
 
 
-def test_packages_are_in_the_ament_index() -> None:
-    """``ros2`` finds packages by the index, not by the source tree."""
-    assert set(PACKAGES) <= set(get_resources("packages"))
-    for package in PACKAGES:
-        assert (Path(get_package_share_directory(package)) / "package.xml").is_file()
-
-
 @pytest.mark.parametrize(("package", "name"), EXECUTABLES)
 def test_executables_are_where_ros2_run_looks(package: str, name: str) -> None:
     """In lib/<package>, executable."""
@@ -151,13 +143,6 @@ def test_rooms_form_no_circle() -> None:
             rooms.setdefault(room_of(name), set()).update(others)
     assert {"furuta_identification.fitting", "furuta_recordings.bags"} <= set(rooms)
     assert_no_circle(rooms)
-
-
-@pytest.mark.parametrize("package", [*PURE, *WITH_NODES])
-def test_cores_know_no_ros(package: str) -> None:
-    """Only nodes and their clocks import ROS."""
-    for file in cores(package):
-        assert not imports(file) & ROS_MODULES, file
 
 
 def test_cores_load_no_ros() -> None:

@@ -1,7 +1,4 @@
-"""The wheel: it holds the library and the command line, and needs no ROS.
-
-FURUTA_WHEEL=1 also installs it into an empty virtual environment, which downloads some 100 MB.
-"""
+"""The wheel: it holds the library and the command line, and needs no ROS."""
 
 import os
 import subprocess
@@ -10,7 +7,7 @@ from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
-from sources import PACKAGES, ROOT, imports, manifest, modules, product_requirements
+from sources import PACKAGES, ROOT, manifest
 
 # The lines of README.
 LINES = """
@@ -102,21 +99,3 @@ def test_wheel_works_without_ros(wheel: Path, tmp_path: Path) -> None:
     assert view.startswith("furuta view needs ") and ", which is not installed: " in view
     assert view.endswith("pip install 'furuta[ros]'")
     assert version == f"furuta {manifest('furuta').findtext('version')}"
-
-
-def test_wheel_requires_what_it_imports() -> None:
-    """Ziglang is named where it is missing."""
-    required = {each.partition(">=")[0] for each in product_requirements()}
-    modules_of_library = (
-        file for package in PACKAGES if package != "furuta_bringup" for file in modules(package)
-    )
-    imported = (
-        set().union(*map(imports, modules_of_library)) - sys.stdlib_module_names - set(PACKAGES)
-    )
-    of_ros = {name for name in imported if name == "rclpy" or name.endswith(("_msgs", "_srvs"))}
-    of_ros |= {"rcl_interfaces", "ament_index_python"}
-    other_names = {
-        **{"yaml": "pyyaml", "serial": "pyserial", "dask": "distributed"},
-        **{"flint": "python-flint", "urdf_parser_py": "urdf-parser-py"},
-    }
-    assert {other_names.get(n, n) for n in imported - of_ros - {"ziglang"}} <= required
