@@ -32,15 +32,6 @@ def cortex_m(zig: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, C
 
 
 @pytest.fixture(scope="session")
-def stepping(zig: None, tmp_path_factory: pytest.TempPathFactory) -> CortexM:
-    """A processor that can be stopped at any instruction."""
-    pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
-    from cortex_m import CortexM
-
-    return CortexM("cortex_m4", tmp_path_factory.mktemp("firmware"), stepping=True)
-
-
-@pytest.fixture(scope="session")
 def replays(cortex_m: dict[str, CortexM]) -> dict[str, Replay]:
     """All machines by name, each as a function from script to log."""
     return {"host": load_replay()} | {name: machine.replay for name, machine in cortex_m.items()}

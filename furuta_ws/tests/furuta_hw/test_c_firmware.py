@@ -12,12 +12,11 @@ from furuta_hw.emulator.compiled_firmware import POWER_ON, CompiledFirmware, par
 from furuta_hw.emulator.emulated_rig import EmulatedRig
 from furuta_hw.emulator.faults import Faults
 from furuta_hw.protocol import frames
-from furuta_hw.protocol.frames import ARMED, WATCHDOG, FrameReader, encode
+from furuta_hw.protocol.frames import FrameReader, encode
 from furuta_hw.rigs.rig import Rig
 
 Replays = dict[str, Callable[[bytes], bytes]]
 
-CUTS = 1000
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "hardware.md"
 SESSION = 4660  # of the documentation's test vectors
 
@@ -91,38 +90,6 @@ def test_counters_wrap_around(replays: Replays) -> None:
         assert_same(schedule, replay(schedule.script))
 
 
-@pytest.mark.long
-def test_a_host_killed_at_any_byte(replays: Replays) -> None:
-    """A thousand random cuts: 0 V within the watchdog after the last answered sample, and after."""
-    random = Random(1)
-    for _ in range(CUTS):
-        watchdog = random.randrange(2, 60)
-        schedule = killed_schedule(random, watchdog)
-        for replay in replays.values():
-            log = replay(schedule.script)
-            assert_same(schedule, log)
-            silent = [state for _, state in parse_log(log)][-2 * watchdog :]
-            for state in silent:
-                if (state.number - state.answered) % 2**32 >= watchdog:
-                    assert (state.drive, state.status & ARMED) == (0, 0)
-            assert silent[-1].status == WATCHDOG
-
-
-def killed_schedule(random: Random, watchdog: int) -> Schedule:
-    """A driven rig whose host stops in the midst of a frame; then two watchdogs' time."""
-    schedule = Schedule(random)
-    schedule.start_session(77, watchdog)
-    for _ in range(random.randrange(1, 30)):
-        schedule.send(frames.DriveFrame(77, schedule.firmware.number, random.randrange(1, 2000)))
-        schedule.sample()
-    last = encode(frames.DriveFrame(77, schedule.firmware.number, 1999))
-    schedule.receive(last[: random.randrange(len(last))])
-    assert schedule.firmware.code != 0
-    for _ in range(2 * watchdog):
-        schedule.sample()
-    return schedule
-
-
 @pytest.mark.parametrize(
     ("asked", "offered"),
     [((1000, 50), (2000, 50)), ((90_000, 50), (20_000, 50)), ((4000, 900), (4000, 200))],
@@ -171,10 +138,3 @@ def state_of(rig: EmulatedRig) -> tuple[object, ...]:
     it = rig.firmware
     shown = it.session, it.period_us, it.watchdog, it.number, it.answered, it.code, it.driven
     return *shown, rig.volts, it.armed, it.tripped, it.discarded % 2**16
-
-
-def test_two_rigs_do_not_share_memory(zig: None) -> None:
-    """Each has its own session."""
-    first, second = CompiledFirmware(-100, 100, 0), CompiledFirmware(-100, 100, 0)
-    first.receive(encode(frames.HelloFrame(1, 9, 1000, 5)))
-    assert (first.session, second.session) == (9, None)

@@ -1,7 +1,6 @@
 """The boards' files compile without warnings, and the encoder's decoder counts right."""
 
 import ctypes
-import re
 from pathlib import Path
 
 import pytest
@@ -35,20 +34,6 @@ def test_boards_compile(zig: None, board: str, tmp_path: Path) -> None:
     options = *TARGETS[board], *ALONE, *WARNINGS, "-Werror", *includes
     run_compiler("c++", "-c", *options, *language, "-o", out, source)
     assert out.stat().st_size > 0
-
-
-@pytest.mark.parametrize("board", [*TARGETS, "emulated"])
-def test_boards_define_every_function_of_the_abstraction(board: str) -> None:
-    """Twelve, named in furuta_board.h."""
-    firmware = firmware_directory()
-    header = (firmware / "core" / "furuta_board.h").read_text()
-    names = re.findall(r"^[\w ]+?(board_\w+)\(", header, re.MULTILINE)
-    assert len(names) == 12
-    (file,) = (firmware / "boards" / board).iterdir()
-    text = file.read_text()
-    if "furuta_arduino.h" in text:
-        text += (firmware / "core" / "furuta_arduino.h").read_text()
-    assert all(re.search(rf"^[\w ]+\b{name}\(.*{{", text, re.M) for name in names)
 
 
 class Encoder(ctypes.Structure):

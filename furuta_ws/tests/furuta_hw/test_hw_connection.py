@@ -192,19 +192,3 @@ def test_drivers_are_found_by_name(
     assert find_driver("dropped_driver:Driver").__module__ == "dropped_driver"
     with pytest.raises(RigError, match="does not implement arm, close, decode, drive, read"):
         find_driver("dropped_driver:Incomplete")
-
-
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("telepathy", "no rig driver telepathy; known are serial_protocol"),
-        ("missing.module:Driver", "'missing.module:Driver' is not accepted"),
-        ("math:pi", "math:pi: this is not a subclass of RigDriver"),
-    ],
-)
-def test_a_driver_that_cannot_be_loaded_is_one_line(no_parts: None, name: str, reason: str) -> None:
-    """With the name and the reason."""
-    accept_parts(["math:pi"])
-    with pytest.raises((RigError, ParameterError), match=reason) as caught:
-        find_driver(name)
-    assert "\n" not in str(caught.value)
