@@ -4,40 +4,14 @@ from math import isnan, nan
 from time import sleep
 from typing import Any
 
-import numpy as np
 from rclpy.parameter import Parameter
 from testbench import Bench, joint_state
 
-from furuta_control.estimation import (
-    EstimatorMemory,
-    EstimatorParameters,
-    design_estimator,
-    estimate_state,
-)
 from furuta_control.estimator_node import EstimatorNode
-from furuta_model.block import new_memory
 from furuta_ros.node import MAX_AGE
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 MS = 1_000_000
-
-
-def test_answers_each_measurement_as_the_core_does(bench: Bench) -> None:
-    """Same numbers as the core, with the stamp of the measurement."""
-    bench.add(EstimatorNode())
-    states = bench.collect(JOINT_STATES)
-    measurement = bench.publisher(MEASUREMENT)
-    memory, estimate = new_memory(EstimatorMemory)[0], np.zeros(5)
-    design = design_estimator(EstimatorParameters())
-    for k in range(5):
-        x = (0.1 * k, 0.2, 0.01 * k**2, nan)
-        measurement.publish(joint_state(x, k * MS, effort=0.3))
-        bench.spin(lambda k=k: len(states) == k + 1)
-        estimate_state(memory, np.array([*x, 0.3]), design, estimate)
-        answer = states[-1]
-        assert [*answer.position, *answer.velocity] == estimate[[0, 2, 1, 3]].tolist()
-        assert [*answer.effort] == [estimate[4], 0.0]
-        assert answer.header.stamp.nanosec == k * MS
 
 
 def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> None:
@@ -51,22 +25,6 @@ def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> 
         bench.spin(lambda before=before: len(states) == before + 1)
     assert states[1] == states[2]
     assert states[2] != states[3]
-
-
-def test_rejects_bad_measurements_and_continues(bench: Bench) -> None:
-    """A message that is no measurement gets no answer and does not change the filter."""
-    node = bench.add(EstimatorNode())
-    states = bench.collect(JOINT_STATES)
-    measurement = bench.publisher(MEASUREMENT)
-    for bad in (
-        joint_state((0.0, 0.0, 0.0, 0.0), 2, ["foot", "hand"]),
-        MEASUREMENT.type(),
-    ):
-        measurement.publish(bad)
-    bench.spin(lambda: node.refused == 2)
-    measurement.publish(joint_state((0.0, 0.0, 0.25, nan), 3))
-    bench.spin(lambda: len(states) == 1)
-    assert states[0].position[1] == 0.25
 
 
 def test_a_measurement_that_waited_is_ignored_in_real_time(bench: Bench) -> None:
@@ -85,32 +43,6 @@ def test_a_measurement_that_waited_is_ignored_in_real_time(bench: Bench) -> None
     measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 3))
     bench.spin(lambda: len(states) == 2)
     assert [each.header.stamp.nanosec for each in states] == [1, 3]
-
-
-def test_ideal_sensors_measure_the_pendulum_speed(bench: Bench) -> None:
-    """With ideal sensors θ̇ is passed on; without it there is no estimate."""
-    bench.add(EstimatorNode([Parameter("sensors.ideal", value=True)]))
-    states = bench.collect(JOINT_STATES)
-    measurement = bench.publisher(MEASUREMENT)
-    measurement.publish(joint_state((0.0, 0.0, 0.0, nan), 1))
-    bench.spin(lambda: len(states) == 1)
-    assert isnan(states[0].velocity[1])
-    measurement.publish(joint_state((0.1, 0.2, 0.3, 0.4), 2))
-    bench.spin(lambda: len(states) == 2)
-    assert [*states[1].position, *states[1].velocity] == [0.1, 0.3, 0.2, 0.4]
-
-
-def test_one_nan_costs_one_reading(bench: Bench) -> None:
-    """It is replaced by a prediction; an answer follows every measurement."""
-    node = bench.add(EstimatorNode())
-    states = bench.collect(JOINT_STATES)
-    measurement = bench.publisher(MEASUREMENT)
-    for k in range(1, 20):
-        theta = nan if k == 10 else 0.2
-        measurement.publish(joint_state((0.1, 0.0, theta, nan), k * MS))
-        bench.spin(lambda k=k: len(states) == k)
-    assert node.unusable_readings == 1
-    assert max(abs(each.position[1] - 0.2) for each in states) < 0.01
 
 
 def test_gap_in_the_stamps_starts_anew(bench: Bench) -> None:

@@ -1,6 +1,5 @@
 """The node ``controller``: one command per state, with or without a friction estimate."""
 
-from math import nan
 from typing import Any
 
 import numpy as np
@@ -86,13 +85,6 @@ def test_in_lockstep_every_state_waits_for_its_estimate(loop: Loop) -> None:
     loop.expect(FEEDBACK + 0.1)
 
 
-def test_command_is_feedback_plus_estimate(loop: Loop) -> None:
-    """The command is −Lx + F̂ as soon as state and estimate have arrived."""
-    loop.state(1)
-    loop.estimate(0.2)
-    loop.expect(FEEDBACK + 0.2)
-
-
 def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
     """Super-twisting does not take the missing torque for friction; once armed it corrects."""
     ParameterClient(loop.bench.probe, loop.bench.executor).set("controller", super_twisting=10.0)
@@ -157,18 +149,6 @@ def test_old_estimate_becomes_zero(loop: Loop, in_real_time: None) -> None:
     loop.state(6)
     loop.state(30)
     loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1, FEEDBACK)
-
-
-def test_rejects_bad_messages_and_continues(loop: Loop) -> None:
-    """Impossible values in either input are counted, reported and ignored."""
-    loop.state(1, (1e300, 0.0, 0.0, 0.0))
-    loop.estimate(0.1)
-    assert loop.node.refused == 1
-    loop.estimate(nan)
-    assert loop.node.refused == 2
-    loop.state(2)
-    loop.estimate(0.0)
-    loop.expect(FEEDBACK)
 
 
 def test_gain_and_poles_by_service(loop: Loop) -> None:

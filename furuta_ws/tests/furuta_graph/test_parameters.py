@@ -174,32 +174,3 @@ def test_contradictory_values_are_rejected(given: dict[str, Any], message: str) 
     """Values that are wrong only in combination are rejected too."""
     with pytest.raises(ParameterError, match=message):
         build(ControllerParameters, given)
-
-
-@pytest.mark.parametrize(
-    "given",
-    [
-        pytest.param({"gain": 5.0}, id="a number for a list"),
-        pytest.param({"gain": None}, id="nothing for a list"),
-        pytest.param({"voltage_limit": 10**400}, id="an integer beyond all floats"),
-    ],
-)
-def test_any_wrong_value_is_a_parameter_error(given: dict[str, Any]) -> None:
-    """Any wrong value raises ParameterError."""
-    with pytest.raises(ParameterError):
-        build(ControllerParameters, given)
-
-
-@pytest.mark.parametrize(
-    ("about", "words"),
-    [
-        (About(""), "any"),
-        (About("", low=1e-9), "at least 1e-09"),
-        (About("", low=-1, high=2.5), "-1 to 2.5"),
-        (About("", choices=("a", "b")), "one of a, b"),
-        (About("", high=3.0), "at most 3"),
-    ],
-)
-def test_allowed_in_words(about: About, words: str) -> None:
-    """The allowed values as text."""
-    assert about.allowed == words

@@ -4,11 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.estimation import EstimatorParameters, design_estimator
 from furuta_model.block import block
 from furuta_model.compiled import compiled
-from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import design_plant
 
 
 class Group(NamedTuple):
@@ -44,15 +41,3 @@ def test_layout_is_that_of_the_types() -> None:
     """Other values of the same parameters cause no other compilation."""
     assert block(Group(1, True, 2)).dtype == block(Group(0.5, False, 3)).dtype
     assert block(Group(1, True, 2))["size"][0] == 1.0
-
-
-def test_parameters_of_the_graph() -> None:
-    """A complete rig, and an estimator with its matrices, to the last bit."""
-    plant = design_plant(PlantParameters())
-    held = block(plant)[0]
-    assert held["friction"]["parameters"]["sigma0"] == plant.friction.parameters.sigma0
-    assert held["friction"]["kind"] == plant.friction.kind
-    assert held["sensors"]["potentiometer_range"] == plant.sensors.potentiometer_range
-    design = design_estimator(EstimatorParameters())
-    held = block(design)[0]["parts"]["kalman"]
-    np.testing.assert_array_equal(held["step"], design.parts.kalman.step)

@@ -1,7 +1,5 @@
 """Histograms of durations."""
 
-import math
-
 import numpy as np
 import pytest
 
@@ -39,8 +37,3 @@ def test_coarse_bins_hold_everything() -> None:
     coarse = histogram.coarse(20, 250)
     assert len(coarse) == 250
     assert (coarse[0], coarse[1], coarse[249], sum(coarse)) == (2, 1, 2, 5)
-
-
-def test_nothing_counted() -> None:
-    """There are no percentiles."""
-    assert math.isnan(Histogram().percentile(50.0))

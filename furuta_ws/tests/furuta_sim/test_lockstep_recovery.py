@@ -4,7 +4,6 @@ from typing import Any
 
 import pytest
 from rclpy.parameter import Parameter
-from std_msgs.msg import Float64
 from testbench import Bench
 
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
@@ -40,17 +39,6 @@ def test_a_plant_alone_says_who_is_missing(
         assert warnings.count(text) >= 3
 
 
-def test_a_paused_plant_does_not_wait(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, capfd: Any
-) -> None:
-    """Nobody is missing while ``run_until`` is reached."""
-    monkeypatch.setattr(lockstep, "WARN_AFTER", 0.2)
-    node = plant(bench)
-    node.set_parameters([Parameter("run_until", value=0.0)])
-    bench.settle(1.0)
-    assert "waiting" not in capfd.readouterr().err
-
-
 def test_the_run_starts_when_no_topic_waits_for_a_publisher(bench: Bench) -> None:
     """A node that joins in the middle of repetitions would get some of them only."""
     plant(bench)
@@ -74,15 +62,3 @@ def test_a_recorder_does_not_delay_the_run_for_ever(
     measurements = bench.collect(MEASUREMENT)
     bench.publisher(COMMAND)
     bench.spin(lambda: len(measurements) >= 1)
-
-
-def test_a_lost_measurement_is_sent_again(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the same nodes too."""
-    monkeypatch.setattr(lockstep, "REPEAT_AFTER", 0.2)
-    plant(bench)
-    measurements, commands = bench.collect(MEASUREMENT), bench.publisher(COMMAND)
-    bench.spin(lambda: len(measurements) == 1)
-    commands.publish(Float64())
-    bench.spin(lambda: len(measurements) >= 4)
-    stamps = [m.header.stamp.nanosec for m in measurements]
-    assert stamps[1:] == [1_000_000] * (len(stamps) - 1)

@@ -1,6 +1,5 @@
 """The node ``plant`` in lock-step and in real time."""
 
-from math import nan
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,12 +7,10 @@ import numpy as np
 import pytest
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
-from std_srvs.srv import Trigger
 from testbench import Bench
 
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
-from furuta_sim.plant import design_plant, initial_plant, move
 from furuta_sim.plant_node import PlantNode
 
 BEGAN, PERIOD = 5_000_000_000, 1_000_000  # [ns]
@@ -30,39 +27,6 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
 def plant(bench: Bench, **values: Any) -> PlantNode:
     named = {name.replace("__", "."): value for name, value in values.items()}
     return bench.add(PlantNode([Parameter(name, value=value) for name, value in named.items()]))
-
-
-def test_lockstep_moves_once_per_command(bench: Bench) -> None:
-    """Sample k + 1 follows only after the command for k, one period later, as the core computes."""
-    node = plant(bench, clock="lockstep")
-    measurements, truths = bench.collect(MEASUREMENT), bench.collect(GROUND_TRUTH)
-    commands = bench.publisher(COMMAND)
-    rig = node.parameters.plant
-    memory = initial_plant(rig)
-    x = memory["x"][0]
-    bench.spin(lambda: len(measurements) == 1)
-    bench.settle()
-    assert len(measurements) == 1
-    for k in range(1, 4):
-        commands.publish(Float64(data=0.5 * k))
-        bench.spin(lambda k=k: len(truths) == k + 1 == len(measurements))
-        torque = move(memory[0], 0.5 * k, design_plant(rig))
-        assert measurements[-1].effort[0] == torque == pytest.approx(0.5 * k, abs=20 / 4096)
-        assert truths[-1].header.stamp.nanosec == k * 1_000_000
-        assert [*truths[-1].position, *truths[-1].velocity] == x[[0, 2, 1, 3]].tolist()
-
-
-def test_lockstep_rejects_nan_and_keeps_waiting(bench: Bench) -> None:
-    """A command that is not finite moves nothing."""
-    node = plant(bench, clock="lockstep")
-    measurements = bench.collect(MEASUREMENT)
-    commands = bench.publisher(COMMAND)
-    bench.spin(lambda: len(measurements) == 1)
-    commands.publish(Float64(data=nan))
-    bench.spin(lambda: node.refused == 1)
-    assert node.sample == 0
-    commands.publish(Float64(data=0.0))
-    bench.spin(lambda: len(measurements) == 2)
 
 
 def test_lockstep_pauses_and_continues(bench: Bench) -> None:
@@ -145,19 +109,3 @@ def test_realtime_stale_command_becomes_zero(bench: Bench, clock: SimpleNamespac
     node.pacing._tick()
     assert node.pacing.timing_counts.timeouts == before
     assert node.pacing.timing_counts.on_time == 2
-
-
-def test_reset_puts_the_pendulum_back(bench: Bench) -> None:
-    """The service holds the initial state until the next command."""
-    node = plant(bench)
-    commands = bench.publisher(COMMAND)
-    commands.publish(Float64(data=0.0))
-    bench.spin(lambda: abs(node.x[2]) > 0.5)
-    client = bench.probe.create_client(Trigger, "plant/reset")
-    assert client.wait_for_service(10.0)
-    answer = client.call_async(Trigger.Request())
-    bench.spin(answer.done)
-    assert answer.result().success
-    held = node.sample
-    bench.spin(lambda: node.sample > held + 20)
-    assert node.x[2] == 0.05

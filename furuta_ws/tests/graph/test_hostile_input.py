@@ -11,7 +11,6 @@ import pytest
 from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from rclpy.logging import LoggingSeverity
-from rclpy.serialization import serialize_message
 from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import JointState
 from testbench import Bench
@@ -28,21 +27,6 @@ from furuta_view.live_node import LiveNode
 COUNT = 1000
 TEXTS = ("", "\x1b[2J", "é" * 40, "x" * 3000, "..", "friction.law", "mode", "method", "sample_time")
 NUMBERS = (0.0, -1.0, 77.0, float("nan"), float("inf"), -1e308, 5e-324, 0.3)
-
-
-def random_bytes(r: np.random.Generator, valid: bytes) -> bytes:
-    """A damaged message: bytes that are cut, appended, changed or all new."""
-    kind = r.integers(4)
-    if kind == 0:
-        return valid[: r.integers(len(valid) + 1)]
-    if kind == 1:
-        return valid + r.bytes(int(r.integers(1, 40)))
-    if kind == 2:
-        return r.bytes(int(r.integers(0, 200)))
-    damaged = bytearray(valid)
-    for _ in range(r.integers(1, 9)):
-        damaged[r.integers(len(damaged))] = r.integers(256)
-    return bytes(damaged)
 
 
 def fill(r: np.random.Generator, message: Any) -> Any:
@@ -88,27 +72,6 @@ def node(request: pytest.FixtureRequest, bench: Bench, monkeypatch: Any) -> Iter
     NAMES[:] = list(made._parameters)
     yield made
     made.get_logger().set_level(LoggingSeverity.UNSET)
-
-
-def test_no_message_ends_a_node(bench: Bench, node: Any) -> None:
-    """On every subscription, also on those of ROS itself."""
-    r = np.random.default_rng(1)
-    subscriptions = [
-        (bench.probe.create_publisher(each.msg_type, each.topic_name, each.qos_profile), each)
-        for each in node.subscriptions
-    ]
-    bench.spin(lambda: all(each.get_subscription_count() for each, _ in subscriptions))
-    for publisher, subscription in subscriptions:
-        for _ in range(COUNT):
-            message = fill(r, subscription.msg_type())
-            data = serialize_message(message)
-            try:
-                publisher.publish(random_bytes(r, data) if r.integers(3) else data)
-            except Exception:  # the middleware refuses to send it
-                continue
-            bench.executor.spin_once(timeout_sec=0.001)
-    assert node.refused > COUNT // 4
-    require_alive(bench, node)
 
 
 def test_no_request_ends_a_node(bench: Bench, node: Any) -> None:

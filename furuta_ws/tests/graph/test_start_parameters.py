@@ -7,11 +7,9 @@ import pytest
 import yaml
 from testbench import Bench
 
-from furuta_control.controller_node import ControllerNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_graph.parameter_client import ParameterClient
 from furuta_graph.settings.nodes import NODES
-from furuta_hw.rigs.known_rigs import config_directory
 from furuta_model.parameters import ParameterError, declared
 from furuta_ros.context import ros_context
 from furuta_sim.plant_node import PlantNode
@@ -79,20 +77,6 @@ def test_a_dump_loads_again(tmp_path: Path, name: str, monkeypatch: pytest.Monke
         bench.close()
     assert start(node, write(tmp_path, text)) == before
     assert (before != NODES[name].parameters()) == bool(changes)
-
-
-@pytest.mark.parametrize("name", NODES)
-def test_the_installed_file_loads(name: str) -> None:
-    """ROS accepts the installed parameter file of every node."""
-    file = config_directory() / f"{name}.yaml"
-    assert start(NODES[name].load_class(), file) == NODES[name].parameters()
-
-
-@pytest.mark.parametrize("text", ["[]", "[0.0]", "[0]"])
-def test_no_gain_in_a_file_is_pole_placement(tmp_path: Path, text: str) -> None:
-    """The empty list of earlier files is accepted too."""
-    file = write(tmp_path, f"controller: {{ros__parameters: {{gain: {text}}}}}")
-    assert start(ControllerNode, file) == NODES["controller"].parameters()
 
 
 @pytest.mark.parametrize("key", ["/**", "/*", "/**/friction_observer"])
