@@ -82,12 +82,6 @@ def test_saturation(limit: float) -> None:
         assert found == pytest.approx(expected)
 
 
-def test_disabled() -> None:
-    """If not enabled, the command is 0 V for any state and friction estimate."""
-    assert command([1, 1, 0.1, 1], 0.2, enabled=False) == 0.0
-    assert command([1, 1, 0.1, 1], 0.2) != 0.0
-
-
 @pytest.mark.parametrize("side", [-1, 1])
 def test_fall_and_catch(side: int) -> None:
     """Beyond fall_angle the command is 0 V until the pendulum is within catch_angle."""
@@ -183,11 +177,6 @@ def test_excitation_has_its_amplitude_and_period(kind: str) -> None:
     assert np.mean(signal) == pytest.approx(0.0, abs=2e-3)
 
 
-def test_no_excitation_by_default() -> None:
-    """Without excitation the command is that of the feedback to the last bit."""
-    assert not np.any(excited([0.1, 0.2, 0.01, 0.0], 50, amplitude=0.7))
-
-
 @pytest.mark.parametrize("outside", [(2, -0.11), (0, 0.6), (1, 3.1)])
 def test_excitation_is_zero_outside_its_limits(outside: tuple[int, float]) -> None:
     """Beyond a limit nothing is added and the phase is kept."""
@@ -203,14 +192,6 @@ def test_excitation_is_zero_outside_its_limits(outside: tuple[int, float]) -> No
         control(memory, x, 0.0, feedback) - control(memory_of(), x, 0.0, plain) for x in states
     ]
     assert added == pytest.approx([0.5, 0.0, 0.0, 0.0, 0.5, -0.5, -0.5])
-
-
-def test_excitation_stays_within_the_limits_of_the_command() -> None:
-    """It also does not drive a fallen pendulum."""
-    excitation = ExcitationParameters("steps", 50.0, tilt_limit=3.0)
-    feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
-    assert control(memory_of(), np.zeros(4), 0.0, feedback) == 10.0
-    assert control(memory_of(False), np.array([0, 0, 0.5, 0]), 0.0, feedback) == 0.0
 
 
 def test_open_loop_drives_a_hanging_pendulum() -> None:
@@ -230,13 +211,6 @@ def test_balance_after_open_loop_waits_for_the_pendulum() -> None:
     memory, tilted = memory_of(), [0, 0, 0.5, 0]
     driven(memory, [tilted], CATCHING._replace(mode="open_loop"))
     assert driven(memory, [tilted, *[UPRIGHT] * 6, tilted]) == [False] * 6 + [True, True]
-
-
-def test_off() -> None:
-    """Mode off gives 0 V, also with excitation."""
-    excitation = ExcitationParameters("steps", 0.5)
-    off = design_controller(ControllerParameters(mode="off", excitation=excitation))
-    assert control(memory_of(), np.array([1, 1, 0.1, 1]), 0.2, off) == 0.0
 
 
 def test_a_far_arm_is_fed_back_as_a_near_one() -> None:

@@ -49,22 +49,6 @@ def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -
     assert found[:, 1] == pytest.approx(expected[:, 1], rel=1e-7, abs=1e-7 * np.ptp(theta) / dt)
 
 
-def test_no_jump_at_the_start() -> None:
-    """A pendulum at rest is estimated at rest from the first sample."""
-    found = estimates(of_theta(np.full(500, 0.4)), EstimatorParameters("lowpass"))
-    assert found[:, 2] == pytest.approx(0.4)
-    assert found[:, 3] == pytest.approx(0.0, abs=1e-9)
-
-
-def test_steady_ramp() -> None:
-    """On a ramp the speed is exact and the angle lags by 2ζ/ω."""
-    p = EstimatorParameters("lowpass")
-    time = np.arange(500) * p.sample_time
-    found = estimates(of_theta(1.5 * time), p)[-1]
-    assert found[3] == pytest.approx(1.5, rel=1e-9)
-    assert found[2] == pytest.approx(1.5 * (time[-1] - 2 * 0.7 / 200), rel=1e-9)
-
-
 def test_lowpass_passes_the_arm_through() -> None:
     """Arm angle and speed are unchanged; friction is not observed."""
     measurements = np.random.default_rng(11).normal(0.0, 0.03, (20, 5))

@@ -70,12 +70,6 @@ def test_silent_node() -> None:
     assert len(node.sent) == 21
 
 
-def test_failed_call() -> None:
-    """Its exception is the caller's."""
-    with pytest.raises(ValueError, match="no such type"):
-        SlowNode(1, ValueError("no such type")).call()
-
-
 def test_missing_node() -> None:
     """Nothing is sent to a service that is not there; nodes of that name elsewhere are named."""
     node = SlowNode(0, present=False)

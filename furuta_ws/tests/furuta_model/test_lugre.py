@@ -115,12 +115,3 @@ def test_presliding_is_a_spring_and_damper() -> None:
     v, dt = 1e-4, 0.1
     z, _ = bristle_after(v, 0.0, 0.0, dt, p)
     assert friction(v, z, p) == pytest.approx(p.sigma0 * v * dt + p.sigma1 * v, rel=5e-3)
-
-
-def test_no_levels_no_friction() -> None:
-    """With α₀ = α₁ = 0 there is no bristle force at any speed."""
-    p = Friction(alpha0=0.0, alpha1=0.0)
-    for v in (*SPEEDS, *(-v for v in SPEEDS)):
-        z, mean = bristle_after(v, 0.0, 0.0, 1e-3, p)
-        assert abs(friction(v, z, p)) < 1e-9
-        assert abs(p.sigma0 * mean) < 1e-9

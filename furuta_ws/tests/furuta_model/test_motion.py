@@ -66,16 +66,6 @@ def test_bounded_at_long_samples_and_high_speed(speed: float) -> None:
     assert 80 * np.abs(states[:, 4]).max() < 0.232 * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("dt", [1e-3, 1e-2])
-def test_full_drive_stays_finite(dt: float) -> None:
-    """Ten seconds at 10 V end fast but finite, with no more energy than the drive supplied."""
-    start = [0.0, 0.0, 0.05, 0.0, 0.0]
-    states = advanced(start, 10.0, 10.0, Friction(), dt)
-    assert np.all(np.isfinite(states))
-    gained = energy(states[-1], BODY) - energy(states[0], BODY)
-    assert gained < 10.0 * states[-1, 0]
-
-
 @pytest.mark.parametrize("sigma1", [1.5, 20.0])
 def test_stiff_bristle(sigma1: float) -> None:
     """With σ₀ = 1e5 the usual substeps still follow the motion of a stuck arm."""
@@ -117,11 +107,3 @@ def test_energy_without_friction() -> None:
     states = advanced([0.0, 2.0, 0.3, -1.0, 0.0], 0.0, 5.0, Friction(alpha0=0.0, alpha1=0.0))
     energies = np.array([energy(x, BODY) for x in states])
     assert np.ptp(energies) < 1e-3 * np.ptp(BODY.delta * np.cos(states[:, 2]))
-
-
-def test_friction_dissipates_energy() -> None:
-    """Sliding at constant friction dissipates F times the distance."""
-    lugre = Friction(alpha1=0.0)
-    states = advanced([0.0, 5.0, np.pi, 0.0, 0.21 / 80], 0.0, 0.1, lugre)
-    lost = energy(states[0], BODY) - energy(states[-1], BODY)
-    assert lost == pytest.approx(0.21 * (states[-1, 0] - states[0, 0]), rel=1e-3)

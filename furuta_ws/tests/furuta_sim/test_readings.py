@@ -69,16 +69,6 @@ def test_a_single_bad_reading_costs_itself(method: str, index: int, value: float
     assert np.all(error[300:] < 1e-3)
 
 
-@pytest.mark.parametrize("value", [nan, inf, 1e300])
-def test_a_single_bad_torque_costs_itself(value: float) -> None:
-    """The last torque is used once more."""
-    bad = swinging()
-    bad[200, 4] = value
-    found, unusable = estimates(bad, EstimatorParameters())
-    assert np.array_equal(found, estimates(swinging(), EstimatorParameters())[0])
-    assert unusable[200] == 1 << 4
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("index", [0, 1, 2])
 def test_a_sensor_that_stays_silent_loses_the_estimate(method: str, index: int) -> None:
@@ -173,16 +163,6 @@ def test_a_prediction_that_overflows_replaces_no_reading() -> None:
     found, unusable = estimates(measurements, parameters)
     assert np.any(unusable[::5] == LOST)
     assert not np.any(np.isinf(found[:, :4]))
-
-
-def test_a_nonlinear_filter_forgets_impossible_speeds() -> None:
-    """Those of ideal sensors; the estimate stays finite and starts anew."""
-    measurements = np.zeros((200, 5))
-    measurements[20:60] = np.random.default_rng(1).normal(size=(40, 5)) * 3e5
-    parameters = EstimatorParameters("whole_circle", sensors=Sensors(ideal=True))
-    found, _ = estimates(measurements, parameters)
-    assert np.all(np.isfinite(found[:, 4]))
-    assert abs(found[-1, 4]) < 1e-3
 
 
 def test_a_nonlinear_filter_is_stable_or_refused() -> None:

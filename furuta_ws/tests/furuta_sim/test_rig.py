@@ -66,12 +66,6 @@ def test_drive_of_the_rig() -> None:
     assert drive(0.003, actuator) == pytest.approx(20 / 4096)
 
 
-def test_ideal_sensors() -> None:
-    """Ideal sensors give the state, whatever the noise."""
-    x = [12.3, -45.6, 2.9, 7.8]
-    assert list(measured(x, np.array([5.0, 5.0]), ideal=True)) == x
-
-
 def test_encoder_grid() -> None:
     """The arm's angle is the nearest of 250 per revolution, over any number of revolutions."""
     for phi in np.random.default_rng(9).uniform(-50, 50, 200):

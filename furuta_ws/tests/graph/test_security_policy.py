@@ -6,10 +6,8 @@ from collections.abc import Callable
 import pytest
 from testbench import Bench
 
-from furuta_graph.settings.nodes import HARDWARE_BRIDGE, NODES
+from furuta_graph.settings.nodes import NODES
 from furuta_hw.rigs.known_rigs import config_directory
-from furuta_ros import topic_names
-from furuta_ros.topics import THROTTLED_TOPICS, TIMING, TOPICS
 
 POLICY = config_directory() / "security" / "policy.xml"
 # Used only with use_sim_time, or offered by a plant in lock-step.
@@ -66,18 +64,3 @@ def test_who_may_drive() -> None:
     publishes = {name for name, lists in given.items() if "/command" in lists["publish"]}
     assert publishes == {"controller"}
     assert [name for name, lists in given.items() if lists["request"]] == ["operator"]
-
-
-def test_operator_and_observer() -> None:
-    """The operator calls every service; both read every topic, and publish none of the loop."""
-    given = profiles()
-    services = set().union(*(given[name]["reply"] for name in NODES))
-    assert f"/{HARDWARE_BRIDGE}/arm" in services
-    assert given["operator"]["request"] == services
-    throttled = (each.throttled for each in THROTTLED_TOPICS)
-    every = {f"/{topic.name}" for topic in (*TOPICS, TIMING, *throttled)}
-    assert every >= {f"/{topic_names.COMMAND}", f"/{topic_names.MEASUREMENT}"}
-    for name in ("operator", "observer"):
-        assert given[name]["subscribe"] >= every
-        assert given[name]["publish"] == {"/parameter_events", "/rosout"}
-        assert not given[name]["reply"]
