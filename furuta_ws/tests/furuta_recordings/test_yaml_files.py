@@ -1,6 +1,5 @@
 """YAML within bounds: what is rejected, where, and what is not."""
 
-import os
 from pathlib import Path
 
 import pytest
@@ -29,12 +28,7 @@ def test_ordinary_text_is_read_as_before(text: str) -> None:
         ("[" * 200_000, f"nested deeper than {DEEPEST_NESTING} levels in line 1"),
         ("a: &x 1\nb: *x", r"\*x is an alias, write its value in line 2"),
         ("a: 2020-99-99", "month must be in 1..12"),
-        ("a: !!int one", ""),
-        ("a: !!int ''", ""),
         ("a: !!bool maybe", ""),
-        ("a: !!timestamp soon", ""),
-        ("a: " + "1:" * 501 + "1", "a number of 1003 characters in line 1"),
-        ("a: 0x" + "f" * 1000, "a number of 1002 characters in line 1"),
         ("a: !!python/object/apply:os.getcwd []", ".* in line 1"),
         ("a: [1\n", ".* in line 2"),
         ("? [a]\n: 1", "found unhashable key in line 1"),
@@ -47,10 +41,14 @@ def test_the_error_says_what_is_wrong_and_where(text: str, reason: str) -> None:
     assert "\n" not in str(e.value)
 
 
-def test_only_regular_files_are_read(tmp_path: Path) -> None:
-    """Opening a pipe does not wait for a writer."""
-    os.mkfifo(tmp_path / "pipe")
-    for file, kind in ((tmp_path / "pipe", "a device or pipe"), (tmp_path, "a directory"),
-                       (Path("/dev/zero"), "a device or pipe")):  # fmt: skip
-        with pytest.raises(ParameterError, match=f"{file}: it is {kind}, not a regular file"):
+def test_what_cannot_be_read_is_one_line(tmp_path: Path) -> None:
+    """Missing, a directory, without an end, or no text."""
+    (tmp_path / "binary").write_bytes(b"\xff\xfe\0")
+    for file, reason in (
+        (tmp_path / "none", "No such file or directory"),
+        (tmp_path, "Is a directory"),
+        (Path("/dev/zero"), "larger than 2097152 bytes"),
+        (tmp_path / "binary", "not a text file"),
+    ):
+        with pytest.raises(ParameterError, match=f"cannot read rig file {file}: {reason}"):
             read_yaml(file, "rig file")

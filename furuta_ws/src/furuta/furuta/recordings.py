@@ -4,14 +4,32 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from furuta_identification.model import Model
 from furuta_model.parameters import ParameterError
+from furuta_recordings.readers import Mapping as Names
+from furuta_recordings.readers import is_bag, read
 from furuta_recordings.recording import Recording
+from furuta_recordings.series_columns import (
+    COLUMNS,
+    COMMAND,
+    ESTIMATED,
+    FRICTION_ESTIMATE,
+    MEASURED,
+    TIME,
+    TRUE,
+    Series,
+    by_name,
+    known,
+)
+from furuta_recordings.table_files import SUFFIXES, read_columns, write_columns
+from furuta_ros import topic_names
 from furuta_sim.simulation.closed_loop import Record
+
+if TYPE_CHECKING:
+    from furuta_identification.model import Model
 
 
 def read_recording(
@@ -38,9 +56,7 @@ def read_recording(
     Raises:
         ParameterError: The file cannot be read, or a name is missing or ambiguous.
     """
-    from furuta_recordings import readers
-
-    return readers.read(Path(path), readers.Mapping(arm, pendulum, command, states))
+    return read(Path(path), Names(arm, pendulum, command, states))
 
 
 def identify(
@@ -115,11 +131,7 @@ def load_series(
     Raises:
         ParameterError: There is no such file, or it holds no series.
     """
-    from furuta.studies import series
-    from furuta_recordings import readers
-
-    names = readers.Mapping(arm, pendulum, command, states)
-    return series.series_with_findings(Path(path), names)[0]
+    return series_with_findings(Path(path), Names(arm, pendulum, command, states))[0]
 
 
 def simulated_series(record: Record) -> dict[str, np.ndarray]:
@@ -131,9 +143,14 @@ def simulated_series(record: Record) -> dict[str, np.ndarray]:
     Returns:
         Series (n,) by name; :data:`furuta.COLUMNS` has the unit of each.
     """
-    from furuta.studies import series
-
-    return series.simulated_series(record)
+    return {
+        TIME: record.time,
+        **known(by_name(MEASURED, record.measurement)),
+        **by_name(ESTIMATED, record.estimate),
+        FRICTION_ESTIMATE: record.friction_estimate,
+        COMMAND: record.command,
+        **by_name(TRUE, np.column_stack([record.state, record.friction])),
+    }
 
 
 def write_series(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
@@ -146,6 +163,77 @@ def write_series(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
     Raises:
         ParameterError: The suffix is another one, or Parquet is not installed.
     """
-    from furuta_recordings.table_files import write_columns
-
     write_columns(Path(path), columns)
+
+
+def series_with_findings(path: Path, names: Names | None = None) -> tuple[Series, list[str]]:
+    """The columns of a file, bag or table, and how a recording was interpreted.
+
+    Bags of the graph give measurement, estimates, command and, from a simulated plant, the truth.
+    Of another rig's bag or CSV table, ``names`` tells the joints and the command; it gives the
+    measured columns and the command.
+
+    Raises:
+        ParameterError: There is no such file, or it holds no series.
+    """
+    names = names or Names()
+    if not path.exists():
+        raise ParameterError(f"no file or bag {path}")
+    if is_bag(path):
+        return _bag_series(path, names)
+    columns = read_columns(path) if path.suffix.lower() in SUFFIXES else {}
+    if TIME in columns and len(columns.keys() & COLUMNS.keys()) > 1:
+        chosen = {name: columns[name] for name in COLUMNS if name in columns}
+        if any(values.shape != (len(chosen[TIME]),) for values in chosen.values()):
+            raise ParameterError(f"{path}: its series have different lengths")
+        return chosen, []
+    if {"state", "estimate", "time"} <= columns.keys():
+        return _simulation_file(path, columns), []
+    return _recorded_series(read(path, names))
+
+
+def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
+    """The columns of a file that ``furuta simulate --out FILE.npz`` wrote."""
+    try:
+        time = columns["time"]
+        record = Record(
+            float(time[1] - time[0]) if len(time) > 1 else 0.0,
+            *(columns[name] for name in Record._fields[1:]),
+        )
+        return {**simulated_series(record), TIME: time}
+    except (KeyError, ValueError, IndexError, TypeError) as error:
+        raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {error}") from None
+
+
+def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
+    """The columns of a bag of the graph, or of another rig's if there are ``names``."""
+    from furuta_recordings.bags.bag import Bag
+    from furuta_recordings.bags.recorded_loop import graph_topics, read_recorded_loop
+
+    with Bag(path) as bag:
+        of_graph = bool(graph_topics(path, bag))
+    if not of_graph or names != Names():
+        return _recorded_series(read(path, names))
+    recorded = read_recorded_loop(path)
+    columns = known(
+        {
+            TIME: recorded.time,
+            **by_name(MEASURED, recorded.measurement),
+            **by_name(ESTIMATED, recorded.estimate),
+            FRICTION_ESTIMATE: recorded.at_measurements(topic_names.FRICTION_ESTIMATE),
+            COMMAND: recorded.at_measurements(topic_names.COMMAND),
+            **by_name(TRUE, recorded.truth),
+        }
+    )
+    return columns, []
+
+
+def _recorded_series(recording: Recording) -> tuple[Series, list[str]]:
+    """The columns of a recording of any rig; the command is the one that held at each sample."""
+    missing = np.full((len(recording.time), 1), np.nan)
+    measured = by_name(MEASURED, np.hstack([recording.measured, missing]))
+    command = recording.commanded_at(recording.time)
+    if not len(recording.command):
+        command = missing[:, 0]
+    columns = known({TIME: recording.time, **measured, COMMAND: command})
+    return columns, list(recording.findings)

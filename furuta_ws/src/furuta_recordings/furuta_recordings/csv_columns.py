@@ -8,7 +8,6 @@ header; lines that begin with #, of which the last one can be the header.
 from __future__ import annotations
 
 import csv
-import io
 from collections.abc import Iterator
 from itertools import chain, islice
 from pathlib import Path
@@ -18,7 +17,6 @@ import numpy as np
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cells import Cells, is_text
-from furuta_ros.yaml_files import open_regular
 
 # Most cells of a table: 8 bytes each in memory.
 MOST_CELLS = 50_000_000
@@ -42,7 +40,7 @@ def read_csv(path: Path) -> Table:
     """The named columns of a table; times in s, since 1970 if they have a date."""
     for encoding in _encodings(path):
         try:
-            with io.TextIOWrapper(open_regular(path, "table"), encoding, newline="") as file:
+            with path.open(encoding=encoding, newline="") as file:
                 return _table(path, file)
         except UnicodeError:
             continue
@@ -56,7 +54,7 @@ def read_csv(path: Path) -> Table:
 
 def _encodings(path: Path) -> tuple[str, ...]:
     """Encodings to try."""
-    with open_regular(path, "table") as file:
+    with path.open("rb") as file:
         start = file.read(4096)
     if start.startswith(b"PK\x03\x04"):
         raise ParameterError(f"cannot read {path}: a zip archive or workbook, not a text file")

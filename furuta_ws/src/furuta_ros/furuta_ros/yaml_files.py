@@ -1,11 +1,11 @@
-"""Reads files that a user or another file names, and YAML, within bounds.
+"""Reads text files that a user or another file names, and YAML, within bounds.
 
-YAML is that of parameter files, rig files, metadata of bags and values of options. An alias is
-refused, as ROS refuses it in parameter files.
+YAML is that of parameter files, rig files and values of options. An alias is refused, as ROS
+refuses it in parameter files.
 """
 
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import yaml
 
@@ -15,20 +15,13 @@ from furuta_model.parameters import ParameterError, shortened
 # The parameter file of all nodes has 3 kB and 3 levels.
 LARGEST_FILE = 2**21
 DEEPEST_NESTING = 32
-# Longest number [characters]. Reading one takes a time that grows with the square of its length.
-LONGEST_NUMBER = 1000
 
 # The parser in C is 20 times as fast, and not in every build of PyYAML.
 _SAFE_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class _Loader(_SAFE_LOADER):  # type: ignore[misc]
-    """Rejects long numbers, and a name that is given twice: YAML's own takes the last value."""
-
-    def construct_scalar(self, node: Any) -> Any:
-        if node.tag.endswith((":int", ":float")) and len(node.value) > LONGEST_NUMBER:
-            raise _error(f"a number of {len(node.value)} characters", node)
-        return super().construct_scalar(node)
+    """Rejects a name that is given twice: YAML's own takes the last value."""
 
     def construct_mapping(self, node: Any, deep: bool = False) -> Any:
         given = set()
@@ -39,28 +32,14 @@ class _Loader(_SAFE_LOADER):  # type: ignore[misc]
         return super().construct_mapping(node, deep)
 
 
-def open_regular(file: Path, what: str) -> BinaryIO:
-    """Open a regular file for reading; ``what`` names it in the error, such as ``rig file``.
-
-    A device has no end, and reading a named pipe waits for somebody to write into it.
-
-    Raises:
-        ParameterError: There is no such file, it cannot be read, or it is not a regular file.
-    """
+def read_text(file: Path, what: str) -> str:
+    """The text of a file of at most :data:`LARGEST_FILE`; ``what`` names it in the error."""
     try:
-        if file.is_file() or not file.exists():
-            return file.open("rb")
+        with file.open("rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise ParameterError(f"cannot read {what} {file}: {reason}") from None
-    kind = "a directory" if file.is_dir() else "a device or pipe"
-    raise ParameterError(f"cannot read {what} {file}: it is {kind}, not a regular file")
-
-
-def read_text(file: Path, what: str) -> str:
-    """The text of a regular file of at most :data:`LARGEST_FILE`."""
-    with open_regular(file, what) as stream:
-        data = stream.read(LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE:
         raise ParameterError(
             f"cannot read {what} {file}: larger than {LARGEST_FILE} bytes, the most allowed"

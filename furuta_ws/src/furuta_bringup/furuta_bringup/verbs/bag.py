@@ -59,7 +59,7 @@ def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
     FILE is a table of series instead, such as one of simulate --out. docs/topics.md lists the
     columns.
     """
-    from furuta.studies.series import series_with_findings
+    from furuta.recordings import series_with_findings
     from furuta_recordings.series_columns import TIME
 
     series, findings = series_with_findings(bag, names)

@@ -109,7 +109,7 @@ def _save(record: Any, out: Path, actuator: Any) -> None:
         with whole_file(out) as new:
             write_npz(new, {"time": record.time, "drive": np.array(actuator), **fields})
     elif suffix in SUFFIXES:
-        from furuta.studies.series import simulated_series
+        from furuta.recordings import simulated_series
         from furuta_recordings.table_files import write_columns
 
         write_columns(out, simulated_series(record))
