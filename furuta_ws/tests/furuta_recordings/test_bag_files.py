@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from mcap.reader import NonSeekingReader
+from mcap.reader import NonSeekingReader, make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
@@ -60,7 +60,7 @@ def written(path: Path, messages: int = 1000) -> Path:
     for k in range(messages):
         writer.add(k % 2, k, DATA)
         if k % 50 == 49:
-            writer._writer.flush()
+            writer._content.end_chunk()
     writer.close()
     return path
 
@@ -96,6 +96,9 @@ def test_a_closed_bag_is_complete(tmp_path: Path) -> None:
     with AnyReader([writer.path]) as reader:
         assert [time for _, time, _ in reader.messages()] == [*range(1, len(contents) + 1)]
         assert reader.message_count == len(contents)
+    with (tmp_path / "bag" / "bag_0.mcap").open("rb") as file:
+        messages = make_reader(file, validate_crcs=True).iter_messages()
+        assert [message.data for _, _, message in messages] == contents[::-1]
     with Bag(writer.path) as bag:
         assert [bytes(data) for _, _, data in bag.messages()] == contents[::-1]
         assert {c.topic: c.msgcount for c in bag.connections} == {"/a": 127, "/b": 127}

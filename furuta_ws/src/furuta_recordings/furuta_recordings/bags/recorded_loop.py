@@ -51,22 +51,6 @@ class RecordedLoop(NamedTuple):
         elapsed: np.ndarray = (self.stamps - self.stamps[0]) / NANOSECONDS
         return elapsed
 
-    @property
-    def friction_estimate(self) -> np.ndarray:
-        """Friction estimates in their order (n,) [V]."""
-        return self._in_order(FRICTION_ESTIMATE)
-
-    @property
-    def command(self) -> np.ndarray:
-        """Commands in their order (n,) [V]."""
-        return self._in_order(COMMAND)
-
-    def _in_order(self, topic: str) -> np.ndarray:
-        series = np.full(len(self.stamps), np.nan)
-        _, values = self.numbers[topic]
-        series[: len(values)] = values[: len(series)]
-        return series
-
     def at_measurements(self, topic: str) -> np.ndarray:
         """The number at each measurement (n,).
 
@@ -149,5 +133,5 @@ def read_recorded_run(path: Path) -> RecordedRun:
     """Read a lock-step recording with ground truth."""
     loop = read_recorded_loop(path)
     state, friction = loop.truth[:, :RIGID_STATES], loop.truth[:, EFFORT]
-    time = loop.stamps / NANOSECONDS
-    return RecordedRun(time, state, friction, loop.friction_estimate, loop.command)
+    numbers = (loop.at_measurements(topic) for topic in (FRICTION_ESTIMATE, COMMAND))
+    return RecordedRun(loop.stamps / NANOSECONDS, state, friction, *numbers)
