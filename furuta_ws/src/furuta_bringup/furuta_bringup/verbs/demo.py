@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from furuta.studies.tuning.plan import TuningPlan
+from furuta.studies.tuning.plan import TuningPlan, search_method
 from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
@@ -70,7 +70,6 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
     from furuta.figures.series import draw_demo
     from furuta.studies.phases import COMPENSATIONS, evaluate
-    from furuta.studies.tuning.plan import SEARCH
     from furuta_bringup.demo_run import run_demo
     from furuta_bringup.printing import with_progress
     from furuta_bringup.warm_up import compile_nodes, workers
@@ -99,7 +98,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     return {
         "runs": evaluate(phases, recorded),
         "tuned_parameters": tuning.result(),
-        "search": SEARCH,
+        "search": search_method(),
         "figure": str(figure),
         "bag": str(bag),
     }

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import scipy
-
 from furuta_model.parameters import ParameterError, values
 
 if TYPE_CHECKING:
@@ -22,8 +20,6 @@ FRICTION_RECORDING_TIME = 12.0
 RECOVERY_TIME = 3.0
 # Compensations that are tried with the fitted friction, besides the LuGre observer.
 RIVALS = ("coulomb", "stiction", "adaptive")
-# COBYQA needs fewer evaluations; scipy has it since 1.14, and Ubuntu 24.04 has scipy 1.11.
-SEARCH = "COBYQA" if tuple(map(int, scipy.__version__.split(".")[:2])) >= (1, 14) else "COBYLA"
 # Number of best candidates that are measured once more, and the least time [s] for each.
 FINALISTS = 3
 FINAL_MEASURING_TIME = 12.0
@@ -115,10 +111,18 @@ class TuningResult(NamedTuple):
             "after": self.after.as_json(),
             "gain": self.gain,
             "pendulum_seconds": self.seconds,
-            "search": SEARCH,
+            "search": search_method(),
         }
 
 
 def observer_parameters(observer: ObserverParameters) -> dict[str, Any]:
     """The friction observer's parameters that can be set while it runs."""
     return {name: value for name, value in values(observer).items() if name != "sample_time"}
+
+
+def search_method() -> str:
+    """Scipy's search; COBYQA needs fewer evaluations, but scipy 1.11 of Ubuntu 24.04 lacks it."""
+    import scipy
+
+    version = tuple(map(int, scipy.__version__.split(".")[:2]))
+    return "COBYQA" if version >= (1, 14) else "COBYLA"

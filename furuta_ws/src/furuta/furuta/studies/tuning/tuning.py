@@ -31,11 +31,11 @@ from furuta.studies.tuning.plan import (
     MEASURING_TIME,
     RECOVERY_TIME,
     RIVALS,
-    SEARCH,
     SETTLING_TIME,
     Trial,
     TuningPlan,
     TuningResult,
+    search_method,
 )
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
@@ -291,8 +291,8 @@ def _search(cost: Callable[[np.ndarray], float], evaluations: int) -> None:
     """Call ``cost`` at most so often, near its minimum in the end."""
     from scipy.optimize import minimize
 
-    first, last = RADII
+    (first, last), method = RADII, search_method()
     options = {"maxfev": evaluations, "initial_tr_radius": first, "final_tr_radius": last}
-    if SEARCH == "COBYLA":
+    if method == "COBYLA":
         options = {"maxiter": evaluations, "rhobeg": first, "tol": last}
-    minimize(cost, np.zeros(1), method=SEARCH, options=options)
+    minimize(cost, np.zeros(1), method=method, options=options)
