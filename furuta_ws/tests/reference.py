@@ -1,5 +1,7 @@
 """Equations (1) and (5) of the paper in plain Python, as a reference for the compiled code."""
 
+from typing import Any
+
 import numpy as np
 from scipy.integrate import solve_ivp
 
@@ -33,22 +35,6 @@ def plant_rate(
     return [v, v_dot, w, w_dot, z_dot]
 
 
-def plant_after(
-    x: np.ndarray, torque: float, seconds: float, body: FurutaPendulum, lugre: Friction
-) -> np.ndarray:
-    """The plant state (5,) after ``seconds`` by an implicit solver at tight tolerance."""
-    solution = solve_ivp(
-        plant_rate,
-        (0, seconds),
-        x,
-        method="Radau",
-        args=(torque, body, lugre),
-        rtol=1e-8,
-        atol=1e-11,
-    )
-    return solution.y[:, -1]
-
-
 def loop_rate(
     t: float, x: np.ndarray, gains: np.ndarray, body: FurutaPendulum, lugre: Friction
 ) -> list[float]:
@@ -56,21 +42,24 @@ def loop_rate(
     return plant_rate(t, x, float(gains @ x[:4]), body, lugre)
 
 
+def _solved(rate: Any, x: np.ndarray, seconds: float, args: Any, **options: Any) -> Any:
+    """A solution by an implicit solver at tight tolerance."""
+    tight = {"method": "Radau", "rtol": 1e-8, "atol": 1e-11}
+    return solve_ivp(rate, (0, seconds), x, args=args, **tight, **options)
+
+
+def plant_after(
+    x: np.ndarray, torque: float, seconds: float, body: FurutaPendulum, lugre: Friction
+) -> np.ndarray:
+    """The plant state (5,) after ``seconds``."""
+    return _solved(plant_rate, x, seconds, (torque, body, lugre)).y[:, -1]
+
+
 def closed_loop(
     x: np.ndarray, gains: np.ndarray, seconds: float, body: FurutaPendulum, lugre: Friction
 ) -> np.ndarray:
     """Trajectory (n, 5) of the closed loop from ``x``, in steps of at most 5 ms."""
-    solution = solve_ivp(
-        loop_rate,
-        (0, seconds),
-        x,
-        method="Radau",
-        args=(gains, body, lugre),
-        rtol=1e-7,
-        atol=1e-10,
-        max_step=0.005,
-    )
-    return solution.y.T
+    return _solved(loop_rate, x, seconds, (gains, body, lugre), max_step=0.005).y.T
 
 
 def upper_reversals(
@@ -78,20 +67,8 @@ def upper_reversals(
 ) -> np.ndarray:
     """States (n, 5) where the arm stops moving forward."""
 
-    class Speed:
-        direction = -1
+    def speed(t: float, x: np.ndarray, *_: object) -> float:
+        return float(x[1])
 
-        def __call__(self, t: float, x: np.ndarray, *_: object) -> float:
-            return float(x[1])
-
-    solution = solve_ivp(
-        loop_rate,
-        (0, seconds),
-        x,
-        method="Radau",
-        args=(gains, body, lugre),
-        rtol=1e-8,
-        atol=1e-11,
-        events=Speed(),
-    )
-    return solution.y_events[0]
+    speed.direction = -1  # type: ignore[attr-defined]
+    return _solved(loop_rate, x, seconds, (gains, body, lugre), events=speed).y_events[0]
