@@ -155,6 +155,8 @@ FAILED = {
     "simulate --out /dev/null/run.npz": "/dev/null/run.npz",
     "run --plant hardware": "no port given",
     "run --plant hardware --port mock --lockstep": "has its own clock",
+    "run --lockstep --record /proc/x": "cannot make the bag /proc/x: /proc/.x.new: No such file",
+    "run --processes --record /proc/x": "cannot make the bag /proc/x: /proc/.x.new: No such file",
     "run --processes --priority 10": "--processes cannot be combined",
     "hw rig nobody": "no rig nobody; rigs are",
     "hw check --port /dev/nothing": "cannot open /dev/nothing",

@@ -1,6 +1,9 @@
 """Scheduling of ``furuta run``: what the system granted is what is reported."""
 
 import os
+import subprocess
+from io import StringIO
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -25,12 +28,11 @@ def test_beside_a_page_a_graph_takes_a_priority_where_it_may(
     furuta: Any, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...]
 ) -> None:
     """Not in lock-step, where it would leave nothing for the page, nor beside one of its own."""
-    supervised_page = pytest.importorskip("furuta_view.supervised_page")  # it needs viser
-    started: list[tuple[str, ...]] = []
-    monkeypatch.setattr(
-        supervised_page, "run_with_page", lambda graph, *_: started.append(graph) or 0
-    )
-    assert furuta("view", "--", *options)[0] == 0
+    page = SimpleNamespace(stdout=StringIO("http://127.0.0.1:8080\n"))
+    monkeypatch.setattr(subprocess, "Popen", lambda *_, **__: page)
+    started: list[str] = []
+    monkeypatch.setattr(os, "execv", lambda path, given: started.extend(given[2:]), raising=False)
+    assert furuta("view", "--no-open", "--", *options)[0] == 0
     prior = ("--priority", "80") if not options and may_have_priority(80) else ()
-    assert started == [(*prior, *options)]
+    assert started == [*prior, *options]
     assert os.sched_getscheduler(0) == os.SCHED_OTHER

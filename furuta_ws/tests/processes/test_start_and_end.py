@@ -154,15 +154,3 @@ def test_a_graph_ends_though_the_middleware_does_not(processes: Any, tmp_path: P
     status, out, err = end_of(processes.start(sys.executable, "-c", BLOCKED_GRAPH, bag))
     assert (status, out.splitlines()[-1]) == (0, "1000 samples, 1.000 s"), err
     assert sorted(file.suffix for file in bag.iterdir()) == [".mcap", ".yaml", ".yaml"]
-
-
-@pytest.mark.parametrize("options", [(), ("--processes",)])
-def test_a_recording_that_cannot_be_made_starts_no_node(
-    furuta: Any, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...]
-) -> None:
-    """One line names the directory."""
-    for name in ("run_composed.run_simulated", "processes.run_processes"):
-        monkeypatch.setattr(f"furuta_graph.{name}", None)
-    status, _, err = furuta("run", *options, "--record", "/proc/x")
-    assert (status, len(err.splitlines())) == (1, 1), err
-    assert "cannot make the bag /proc/x: /proc/.x.new: No such file" in err

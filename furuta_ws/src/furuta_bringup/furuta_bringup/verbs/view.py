@@ -1,6 +1,7 @@
 """``furuta view``."""
 
 import os
+import subprocess
 import sys
 
 import click
@@ -45,12 +46,24 @@ def command(
 
         run_page(PageServer(port), namespace, opens=not no_open)
         return
-    from furuta_view.supervised_page import run_with_page
+    from furuta_graph.processes import executable
+    from furuta_ros.process_start import child_environment
 
+    furuta = str(executable("furuta_bringup", "furuta"))
     page = ["--attach", *(["--no-open"] if no_open else [])]
     page += ["--port", str(port)] if port is not None else []
     page += (own := [word for name in accepted_parts() for word in ("--own-parts", name)])
     shared = ["--namespace", namespace] if namespace else []
+    shown = subprocess.Popen(
+        [furuta, "view", *page, *shared], env=child_environment(), stdout=subprocess.PIPE, text=True
+    )
+    assert shown.stdout is not None
+    address = shown.stdout.readline()
+    if not address:  # the page has failed, and has said why
+        sys.exit(shown.wait())
+    print(address, end="", flush=True)
     in_time = not any(option.startswith(NOT_IN_TIME) for option in options)
     prior = ["--priority", str(PRIORITY)] if in_time and may_have_priority(PRIORITY) else []
-    sys.exit(run_with_page((*prior, *own, *options), page, shared))
+    # The graph takes the place of this process. The page ends with it; without the page it runs
+    # on, since it may hold a pendulum upright.
+    os.execv(furuta, [furuta, "run", *shared, *prior, *own, *options])
