@@ -115,6 +115,6 @@ def _save(record: Any, out: Path, actuator: Any) -> None:
         write_columns(out, simulated_series(record))
     else:
         from furuta.figures.series import draw_series
-        from furuta.studies.series import simulated_series
+        from furuta.recordings import simulated_series
 
         draw_series(simulated_series(record), out)
