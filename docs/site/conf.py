@@ -41,7 +41,7 @@ highlight_language = "none"
 # What the site shows in place of a comment of a page.
 IN_PLACE = {
     "<!-- furuta.html -->": '<iframe src="../furuta.html" title="The running pendulum" '
-    'width="100%" height="820"></iframe>',
+    'width="100%" height="820"></iframe>\n',
     "```mermaid": "```text",  # drawing it would need a program from elsewhere
     "<!-- parameters of the nodes -->": parameters_of_nodes(),
     "<!-- keys of rig files -->": keys_of_rig_files(),
