@@ -1,6 +1,7 @@
 """Where the sources of the workspace are, and what each file of them imports."""
 
 import ast
+import os
 import xml.etree.ElementTree as ET
 from configparser import ConfigParser
 from functools import cache
@@ -13,6 +14,8 @@ SOURCES = ROOT / "furuta_ws" / "src"
 TESTS = ROOT / "furuta_ws" / "tests"
 # The scripts that make the documentation site, which tests import.
 SITE = ROOT / "docs" / "site"
+# Recordings of real rigs, which are not part of the project.
+RECORDINGS = Path(os.environ.get("FURUTA_RECORDINGS", ROOT.parent / "shared" / "data"))
 PACKAGES = sorted(path.name for path in SOURCES.iterdir())
 
 

@@ -41,6 +41,7 @@ class TrueAxis(NamedTuple):
     wave: float = 0.0
     phase: float = 0.0
     torque_friction: float = 0.0
+    drift: float = 0.0
 
     def values(self) -> dict[str, float]:
         """What a fit reports of it; what is not there is 0."""
@@ -66,6 +67,7 @@ def _move(a: TrueAxis, torque: np.ndarray, interval: float, out: np.ndarray) -> 
                 torque[max(k, 0)] - a.offset - a.spring * q - a.wave * np.cos(a.order * q + a.phase)
             )
             net -= a.gravity_sin * np.sin(q) + a.gravity_cos * np.cos(q)
+            net -= a.drift * (i * interval + step * h)
             side = np.sign(v) if v != 0.0 else np.sign(net)
             level = a.alpha0 + a.alpha1 * np.exp(-((v / a.stribeck_velocity) ** 2))
             level += a.torque_friction * abs(torque[max(k, 0)])

@@ -1,8 +1,14 @@
-"""Preparation and regression: units, signs, zeros, missing commands, ceilings, refusals."""
+"""Preparation and regression: units, signs, zeros, missing commands, ceilings, refusals.
+
+With FURUTA_RIGS=200 in the environment 200 random rigs are tried, by default a few.
+benchmarks/standard_errors.py fits them.
+"""
+
+import os
 
 import numpy as np
 import pytest
-from random_rigs import DEGREE, EXAMPLE, RPM, Readings, example, record
+from random_rigs import DEGREE, EXAMPLE, RPM, Readings, example, record, sampled
 
 from furuta_identification.options import Options
 from furuta_identification.preparation.prepare import prepare, prepare_all
@@ -16,6 +22,8 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of, split_into_runs
+
+RIGS = int(os.environ.get("FURUTA_RIGS", "8"))
 
 
 @pytest.fixture(scope="module")
@@ -214,3 +222,31 @@ def test_a_step_does_not_show_the_ceiling() -> None:
         assert has_one_level(hidden)
     for shown in ([sine], [step, example("step", 2.0)]):
         assert not has_one_level(shown)
+
+
+def wrong_decisions(readings: Readings, recording: Recording) -> list[str]:
+    """What is decided wrongly about a recording; raises what is asked."""
+    prepared = prepare_all([recording], Options())
+    (ready,) = prepared.recordings
+    lag = speed_lag(ready)
+    estimate = first_estimate([ready], lag)
+    decisions = {
+        "unit": (prepared.angles == "deg") == (readings.unit != 1.0),
+        "zero": bool(np.cos(ready.measured[0, 2]) < -0.8),
+        "direction": prepared.direction == readings.pendulum,
+        "motor": estimate.negated == (readings.motor < 0.0),
+    }
+    return [name for name, right in decisions.items() if not right]
+
+
+def test_nothing_is_decided_wrongly() -> None:
+    """Units, zeros, directions and the motor's sign; at most one in twenty, or one, is asked."""
+    asked = []
+    for seed in range(RIGS):
+        _, readings, recording = sampled(seed)
+        try:
+            assert wrong_decisions(readings, recording) == [], seed
+        except ParameterError as error:
+            asked.append(str(error))
+    print(f"{RIGS} rigs: asked {len(asked)}", *asked, sep="\n")
+    assert len(asked) <= max(1, RIGS // 20)

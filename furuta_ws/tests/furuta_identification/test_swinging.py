@@ -3,23 +3,31 @@
 import numpy as np
 import pytest
 from random_rigs import EXAMPLE, Readings, example, record
+from sources import RECORDINGS
 
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs.rig import Rig
-from furuta_identification.identify import identify, validate
+from furuta_identification.identify import identify, identify_files, validate
 from furuta_identification.model import Model, Prediction
 from furuta_identification.options import Options
 from furuta_identification.regression.windows import coloured_part
-from furuta_identification.result.identified_rig import identified_rig
+from furuta_identification.result.identified_rig import identified_rig, quadratic_poles
 from furuta_identification.result.report import standard_errors, summary, verdict
 from furuta_identification.shooting.optimisation import fit_percent
 from furuta_identification.shooting.unknowns import wave_names
 from furuta_identification.uncertainty.identifiability import undetermined
+from furuta_model.linear import linearize, place_poles
+from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import THETA
+from furuta_recordings.readers import Mapping
 from furuta_recordings.recording import Recording
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, simulate
+
+SMALL = FurutaPendulum(0.006, 0.0024, 0.0019, 0.21)
+# A recording of a public rig, if it is there.
+SINE = RECORDINGS / "hardware_sin_response_2V_1s.csv"
 
 
 @pytest.fixture(scope="module")
@@ -186,3 +194,33 @@ def test_fit_percent() -> None:
     assert fit_percent(y, y) == 100.0
     assert fit_percent(y, np.full(100, y.mean())) == pytest.approx(0.0)
     assert np.isnan(fit_percent(np.ones(10), np.ones(10)))
+
+
+@pytest.mark.parametrize(
+    ("model", "viscous"), [(FurutaPendulum(), 0.0), (SMALL, 0.25), (SMALL, 0.02)]
+)
+def test_the_poles_are_those_of_the_optimal_loop(model: FurutaPendulum, viscous: float) -> None:
+    """The stable eigenvalues of the Hamiltonian, with 2 V/rad at a drive of 10 V."""
+    a, b = linearize(model, viscous)
+    hamiltonian = np.block([[a, -np.outer(b, b)], [-np.diag([4.0, 0, 0, 0]), -a.T]])
+    optimal = [pole for pole in np.linalg.eigvals(hamiltonian) if pole.real < 0.0]
+    poles = quadratic_poles(model, viscous, 10.0)
+    assert poles.polynomial == pytest.approx(np.poly(optimal).real, rel=1e-6)
+    # An optimal loop stands half and any multiple of its torque.
+    gain = place_poles(model, poles, viscous)
+    for factor in (0.51, 1.0, 5.0):
+        assert np.linalg.eigvals(a - factor * np.outer(b, gain)).real.max() < 0.0
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not SINE.exists(), reason="FURUTA_RECORDINGS has no such record")
+def test_a_real_rig() -> None:
+    """One recording of a public rig predicts another one, whose first command is missing."""
+    step = RECORDINGS / "hardware_step_response_4V.csv"
+    names = Mapping("joint0", "joint1", "effort_control")
+    model, fitted, held_out = identify_files((SINE,), (step,), names, Options(zero="hanging"))
+    assert summary(model)["natural_frequency_rad_s"] == pytest.approx(9.35, rel=0.01)
+    assert verdict(fitted)["usable"] == "yes"
+    for (prediction,), least in ((fitted, 98.0), (held_out, 96.0)):
+        fits = prediction.fits()
+        assert min(fits["arm angle"], fits["pendulum angle"]) > least
