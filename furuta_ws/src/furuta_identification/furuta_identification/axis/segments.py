@@ -25,6 +25,10 @@ BETWEEN = 100.0
 SMOOTHED, SHORTEST, LONGEST = 10.0, 0.01, 0.2
 
 
+# A segment: the number of its recording, and its rows.
+Cut = tuple[int, slice]
+
+
 class Smoothed(NamedTuple):
     """A recording on an even grid: time, position, its two derivatives, and torque (n,)."""
 
@@ -104,63 +108,48 @@ def _thinned(even: np.ndarray, step: float) -> np.ndarray:
     return even[:: max(round(0.02 / step), 1)]
 
 
-class _Segment(NamedTuple):
-    """A segment: times and positions (n,), number of its recording, first state and its spread."""
-
-    time: np.ndarray
-    position: np.ndarray
-    of: int
-    first: list[float]
-    spread: list[float]
-
-
 def segmented(recordings: Sequence[Recording], length: float | None = None) -> Segmented:
     """Recordings on one time axis, cut into segments of a ``length`` [s]; None chooses it."""
     noise = float(np.median([position_noise(recording) for recording in recordings]))
     length = length or segment_length(recordings, noise)
-    parts: list[_Segment] = []
-    commands: list[tuple[np.ndarray, np.ndarray]] = []
-    begin = 0.0
-    for number, recording in enumerate(recordings):
-        shift = 0.0 if len(recordings) == 1 else begin - recording.time[0]
-        shifted = recording._replace(
-            time=recording.time + shift, command_time=recording.command_time + shift
-        )
-        commands.append(_commands(shifted))
-        parts += _segments_of(shifted, number, length, noise)
-        begin = shifted.time[-1] + BETWEEN
-    size = max(sum(len(each.time) for each in parts), sum(len(edges) for edges, _ in commands))
-    parts = _spread_over(parts, max(MOST_SAMPLES * len(parts) // size, FEWEST))
+    recordings = _on_one_axis(recordings)
+    edges, torques = zip(*map(_commands, recordings), strict=True)
+    cuts = [(number, rows) for number, r in enumerate(recordings) for rows in _cut(r, length)]
+    size = max(sum(rows.stop - rows.start for _, rows in cuts), sum(map(len, edges)))
+    cuts = _spread_over(cuts, max(MOST_SAMPLES * len(cuts) // size, FEWEST))
+    smooth = [smoothed(recording) for recording in recordings]
+    starts = [(smooth[k], recordings[k].time[rows.start]) for k, rows in cuts]
+    states = np.array([_first_state(*start, noise) for start in starts])
     data = AxisData(
-        np.concatenate([part.time for part in parts]),
-        np.concatenate([part.position for part in parts]),
-        np.concatenate([edges for edges, _ in commands]),
-        np.concatenate([torque for _, torque in commands]),
-        np.cumsum([0, *(len(part.time) for part in parts[:-1])]),
-        np.array([part.of for part in parts]),
+        np.concatenate([recordings[k].time[rows] for k, rows in cuts]),
+        np.concatenate([recordings[k].measured[rows, PHI] for k, rows in cuts]),
+        np.concatenate(edges),
+        np.concatenate(torques),
+        np.cumsum([0, *(rows.stop - rows.start for _, rows in cuts[:-1])]),
+        np.array([k for k, _ in cuts]),
         STEP,
         noise,
     )
-    return Segmented(
-        data, np.array([part.first for part in parts]), np.array([part.spread for part in parts])
-    )
+    return Segmented(data, states[:, 0], states[:, 1])
 
 
-def _segments_of(recording: Recording, number: int, length: float, noise: float) -> list[_Segment]:
-    """The segments of a recording, with their first states from the smoothed position."""
-    smooth, count = smoothed(recording), np.sqrt(12.0) * noise
-    uncertain = count / smooth.window  # of a speed
-    segments = []
-    for rows in _cut(recording, length):
-        start = recording.time[rows.start]
-        position = float(np.interp(start, smooth.time, smooth.position))
-        speed = float(np.interp(start, smooth.time, smooth.speed))
-        first = [position, speed if abs(speed) > 2.0 * uncertain else 0.0]
-        spread = [2.0 * noise, 4.0 * uncertain]
-        segments.append(
-            _Segment(recording.time[rows], recording.measured[rows, PHI], number, first, spread)
-        )
-    return segments
+def _on_one_axis(recordings: Sequence[Recording]) -> list[Recording]:
+    """Several recordings one after the other; a single one keeps its times."""
+    shifted: list[Recording] = []
+    for recording in recordings:
+        begin = shifted[-1].time[-1] + BETWEEN if shifted else 0.0
+        shift = begin - recording.time[0] if len(recordings) > 1 else 0.0
+        moved = recording.with_delayed_command(shift)
+        shifted.append(moved._replace(time=recording.time + shift))
+    return shifted
+
+
+def _first_state(smooth: Smoothed, start: float, noise: float) -> tuple[list[float], list[float]]:
+    """Position and speed at the ``start`` [s] of a segment, and their standard deviations."""
+    uncertain = np.sqrt(12.0) * noise / smooth.window  # of a speed
+    position, speed = (np.interp(start, smooth.time, y) for y in (smooth.position, smooth.speed))
+    first = [position, speed if abs(speed) > 2.0 * uncertain else 0.0]
+    return first, [2.0 * noise, 4.0 * uncertain]
 
 
 def segment_length(recordings: Sequence[Recording], noise: float) -> float:
@@ -197,7 +186,7 @@ def _commands(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     return np.append(recording.time[0] - 1.0, time), np.append(0.0, torque)
 
 
-def _spread_over(parts: list[_Segment], most: int) -> list[_Segment]:
+def _spread_over(parts: list[Cut], most: int) -> list[Cut]:
     """At most that many of the parts, evenly spread."""
     if len(parts) <= most:
         return parts
