@@ -13,7 +13,7 @@ from exported_loop import CompiledLoop, write_loop
 
 import furuta
 from furuta.export.values import DOUBLE, FLOAT
-from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.emulator.compiled_firmware import CompiledFirmware
 from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.protocol import frames

@@ -11,11 +11,10 @@ from furuta_hw.commissioning.friction import (
     check_hanging,
     measure_friction,
 )
+from furuta_hw.commissioning.sensors import find_signs, find_zeros
 from furuta_hw.commissioning.session import Experiment
-from furuta_hw.commissioning.signs import find_signs
-from furuta_hw.commissioning.zeros import find_zeros
 from furuta_hw.connection.rig_driver import RigSample
-from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.errors import RigError
 from furuta_hw.protocol.frames import FrameReader, SensorsFrame

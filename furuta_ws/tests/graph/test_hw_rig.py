@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from furuta.outcomes import outcome
 from furuta_graph.settings.settings import load_settings, loop, rig_settings
-from furuta_hw.bridge.sample_clock import SLEW, SampleClock
-from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.bridge.guarded_rig import SLEW, SampleClock
+from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame
 from furuta_hw.rigs.calibration import PendulumSensor, SpeedSensor
 from furuta_hw.rigs.channels import converter, encoder, wrapped

@@ -19,7 +19,7 @@ from furuta_bringup import main
 from furuta_graph.processes import executable
 from furuta_graph.services import ATTEMPTS, ServiceCaller
 from furuta_graph.settings.nodes import NODES
-from furuta_hw.emulator.monitor import ask
+from furuta_hw.emulator.running_rig import ask
 from furuta_model.compilation_notice import NOTICE
 
 TIMEOUT = 240.0

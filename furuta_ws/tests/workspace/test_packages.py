@@ -49,7 +49,7 @@ WITH_NODES = [
     *("furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"),
     "furuta_graph",
 ]
-ROS_FILES = {"lockstep", "realtime", "recorder_process", "rig_status"}
+ROS_FILES = {"lockstep", "realtime", "recorder_process"}
 
 
 def cores(package: str) -> list[Path]:

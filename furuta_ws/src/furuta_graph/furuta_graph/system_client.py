@@ -10,8 +10,7 @@ from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
 from furuta_graph.services import ATTEMPTS, ServiceCaller, ServiceError
-from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
-from furuta_graph.transitions import TRANSITIONS
+from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT, TRANSITIONS
 from furuta_ros.topics import DIAGNOSTICS
 
 # Longest wait for the bridge [s].

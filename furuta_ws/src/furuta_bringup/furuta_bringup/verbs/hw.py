@@ -20,7 +20,7 @@ from furuta_bringup.options import (
     own_parts_option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_graph.transitions import TRANSITIONS
+from furuta_graph.settings.nodes import TRANSITIONS
 from furuta_hw.commissioning import RAMP_RATE
 from furuta_hw.errors import RigError
 from furuta_ros.errors import UserError
@@ -145,7 +145,7 @@ def _summary(samples: list[RigSample]) -> dict[str, Any]:
     """Mean and spread of the codes, if the driver provides codes, and means in SI units."""
     import numpy as np
 
-    from furuta_hw.commissioning.zeros import code_statistics
+    from furuta_hw.commissioning.sensors import code_statistics
 
     codes = code_statistics(samples) if samples[-1].codes else {}
     angles = [(s.arm_angle, s.arm_speed, s.pendulum_angle) for s in samples]
@@ -161,7 +161,7 @@ def _summary(samples: list[RigSample]) -> dict[str, Any]:
 @json_option
 def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
     """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
-    from furuta_hw.commissioning.zeros import find_zeros
+    from furuta_hw.commissioning.sensors import find_zeros
 
     with _open_rig(port, name) as session:
         zeros = find_zeros(list(session.samples(seconds)), session.rig, hanging)
@@ -174,7 +174,7 @@ def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> 
 @json_option
 def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool) -> None:
     """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
-    from furuta_hw.commissioning.signs import find_signs
+    from furuta_hw.commissioning.sensors import find_signs
 
     with _open_rig(port, name) as session:
         result = session.drive(find_signs(session.rig, voltage), voltage, arm_range)

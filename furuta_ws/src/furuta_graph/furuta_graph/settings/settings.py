@@ -9,7 +9,6 @@ from typing import Any
 from furuta_graph.settings.nodes import NODES, check_graph
 from furuta_graph.settings.parameter_names import EVERY_NODE, parameters_in, parameters_named
 from furuta_graph.settings.recommended import is_recommended, recommended_values
-from furuta_graph.settings.rig_parameters import rig_parameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.parameters import ParameterError, build, values
@@ -31,8 +30,41 @@ def default_settings() -> Settings:
 
 
 def rig_settings(rig: Rig) -> Settings:
-    """Parameters of every node that the rig determines: model, friction, sensors, sample time."""
-    return default_settings() | rig_parameters(rig)
+    """Parameters that the rig determines: model, friction, sensors, sample time and limits.
+
+    Viscous friction, which contains back-EMF, is part of the model of estimator and pole placement.
+    The friction observer therefore compensates the rest of the friction.
+    """
+    model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
+    nominal = model | {"model_viscous": rig.friction.viscous}
+    time = {"sample_time": rig.line.sample_time}
+    return default_settings() | {
+        "plant": model | sensors | values(rig.friction, "friction.") | time | _plant_parts(rig),
+        "estimator": nominal | sensors | time,
+        "friction_observer": values(rig.friction._replace(viscous=0.0)) | time,
+        "controller": nominal | time | values(rig.poles) | _limits(rig),
+    }
+
+
+def _plant_parts(rig: Rig) -> dict[str, Any]:
+    """What else acts on the simulated plant."""
+    return {
+        "actuator.voltage_range": rig.drive.range,
+        "actuator.bits": rig.drive.bits,
+        **values(rig.drive_dynamics, "drive."),
+        **values(rig.coupling, "coupling."),
+        **values(rig.pendulum_friction, "pendulum_friction."),
+        **values(rig.waves, "waves."),
+        **values(rig.tilt, "tilt."),
+    }
+
+
+def _limits(rig: Rig) -> dict[str, Any]:
+    return {
+        "voltage_limit": rig.limits.voltage,
+        "arm_angle_limit": rig.limits.arm_angle,
+        "arm_speed_limit": rig.limits.arm_speed,
+    }
 
 
 def load_settings(

@@ -5,17 +5,15 @@ from collections.abc import Sequence
 from math import isfinite, nan, pi
 from pathlib import Path
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.timer import Timer
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 
-from furuta_hw.bridge.guarded_rig import GuardedRig
+from furuta_hw.bridge.guarded_rig import GuardedRig, SampleClock
 from furuta_hw.bridge.parameters import BridgeParameters
-from furuta_hw.bridge.rig_status import rig_status
-from furuta_hw.bridge.sample_clock import SampleClock
 from furuta_hw.connection.rig_connection import RigConnection
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.drivers import make_driver
@@ -280,6 +278,33 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         message = DiagnosticArray(status=[status])
         message.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(message)
+
+
+def rig_status(
+    state: str, guard: Guard, connection: RigConnection | None, failure: str, samples: int
+) -> DiagnosticStatus:
+    """OK while it drives, WARN while it only reads, ERROR after a stop or without a line."""
+    if guard.armed:
+        level, text = DiagnosticStatus.OK, "driving"
+    elif connection is not None and connection.connected:
+        level = DiagnosticStatus.ERROR if guard.stops else DiagnosticStatus.WARN
+        text = guard.reason
+    else:
+        reason = connection.failure if connection else failure
+        level, text = DiagnosticStatus.ERROR, reason or "no line"
+    values = {"state": state, "armed": guard.armed, "stops": guard.stops, "samples": samples}
+    if connection is not None:
+        line = connection.statistics()
+        values |= {
+            "frames lost": line.lost,
+            "frames corrupt": line.corrupt,
+            "frames repeated": line.repeated,
+            "frames of other sessions": line.other_sessions,
+            "frames the rig discarded": line.discarded_by_rig,
+            "samples skipped": connection.skipped_samples,
+        }
+    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+    return DiagnosticStatus(level=level, message=text, values=pairs)
 
 
 def main() -> None:

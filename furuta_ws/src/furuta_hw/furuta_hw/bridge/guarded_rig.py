@@ -1,4 +1,4 @@
-"""A rig behind a guard: the core of the bridge, without ROS."""
+"""A rig behind a guard, and the stamps of its samples: the core of the bridge, without ROS."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -8,6 +8,9 @@ from furuta_hw.connection.rig_connection import RigConnection
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import LineError
 from furuta_hw.guard import Guard
+
+# Largest correction of the stamps per period: far above a crystal's error, far below the jitter.
+SLEW = 200e-6
 
 
 class GuardedRig:
@@ -91,3 +94,25 @@ class GuardedRig:
             self._handle_stop()
             self.guard.forget_samples()
             self.restarts += 1
+
+
+class SampleClock:
+    """Stamps samples with start time plus whole periods, slowly corrected to the host's clock.
+
+    The rig's crystal differs from the host's clock by about 10⁻⁵. Each stamp is moved towards the
+    time of arrival by at most :data:`SLEW` of a period. This follows the median time of arrival
+    and suppresses the jitter.
+    """
+
+    def __init__(self, period: int) -> None:
+        self._period = period
+        self._largest = max(1, round(SLEW * period))
+        self._start: int | None = None
+
+    def stamp(self, sample: int, now: int) -> int:
+        """Compute the stamp [ns] of a sample that arrived at ``now`` [ns]."""
+        if self._start is None:
+            self._start = now - sample * self._period
+        error = now - self._start - sample * self._period
+        self._start += min(max(error, -self._largest), self._largest)
+        return self._start + sample * self._period

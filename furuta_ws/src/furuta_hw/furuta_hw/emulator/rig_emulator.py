@@ -20,8 +20,7 @@ from furuta_hw.emulator.compiled_firmware import CompiledFirmware
 from furuta_hw.emulator.emulated_rig import EmulatedRig, initial_state_of, plant_of
 from furuta_hw.emulator.faults import Faults, with_faults
 from furuta_hw.emulator.firmware import Firmware
-from furuta_hw.emulator.monitor import serve
-from furuta_hw.emulator.running_rig import RunningRig
+from furuta_hw.emulator.running_rig import RunningRig, serve
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError

@@ -22,19 +22,9 @@ static int16_t speed_code;
 static int32_t pendulum_code;
 static int16_t drive_code;
 static bool fault;
-static uint8_t locks;
-static uint32_t feeds;
 
-/* Whether the timer's interrupt must wait, for tests that interrupt at any instruction. */
-bool emulated_locked(void);
-/* How often the hardware watchdog was fed. */
-uint32_t emulated_feeds(void);
 /* Replays a script; returns the size of the log, which is at most 64 times that of the script. */
 uint32_t emulated_replay(const uint8_t *begin, uint32_t size, uint8_t *log);
-
-bool emulated_locked(void) { return locks > 0; }
-
-uint32_t emulated_feeds(void) { return feeds; }
 
 struct furuta_limits board_limits(void) { return limits; }
 
@@ -52,9 +42,9 @@ int32_t board_pendulum(void) { return pendulum_code; }
 bool board_fault(void) { return fault; }
 void board_drive(int16_t code) { drive_code = code; }
 void board_start_timer(uint32_t period_us) { (void)period_us; }
-void board_lock(void) { locks++; }
-void board_unlock(void) { locks--; }
-void board_feed_watchdog(void) { feeds++; }
+void board_lock(void) {}
+void board_unlock(void) {}
+void board_feed_watchdog(void) {}
 
 static uint8_t take_u8(void) { return *script++; }
 

@@ -1,14 +1,25 @@
-"""The rig driver for the serial protocol of docs/hardware.md: sessions and statistics."""
+"""The rig driver for the serial protocol of docs/hardware.md: sessions, statistics, samples."""
 
+from math import exp
 from secrets import randbits
 from time import monotonic
 
-from furuta_hw.connection.rig_driver import LineStatistics, RigDriver, RigSample
-from furuta_hw.drivers.serial_protocol.conversion import SampleConverter
+from furuta_hw.connection.rig_driver import LineStatistics, RawCodes, RigDriver, RigSample
 from furuta_hw.drivers.serial_protocol.ports import open_port
 from furuta_hw.errors import LineError
 from furuta_hw.protocol import frames
-from furuta_hw.protocol.frames import FrameReader, SensorsFrame, WelcomeFrame, encode, is_newer
+from furuta_hw.protocol.frames import (
+    ARMED,
+    FAULT,
+    WATCHDOG,
+    FrameReader,
+    SensorsFrame,
+    WelcomeFrame,
+    encode,
+    is_newer,
+)
+from furuta_hw.rigs.channels import wrapped
+from furuta_hw.rigs.rig import Rig
 
 # Longest wait for the rig's answer when the line is opened, and time between two attempts [s].
 CONNECT_TIMEOUT, RETRY_PERIOD = 3.0, 0.1
@@ -143,3 +154,52 @@ class SerialProtocolDriver(RigDriver):
         self._discarded_by_rig += (frame.discarded - self._discarded) % 2**16
         self._discarded = frame.discarded
         return True
+
+
+class SampleConverter:
+    """Converts the frames of one session, in order.
+
+    Without a tachometer the arm speed is the difference of the arm's angles behind a first-order
+    low-pass filter, exact for gaps of any number of samples.
+    """
+
+    def __init__(self, rig: Rig) -> None:
+        self._arm, self._speed = rig.arm.channel, rig.speed.channel
+        self._pendulum, self._drive = rig.pendulum.channel, rig.drive.channel
+        self._has_tachometer = rig.speed.sensor == "tachometer"
+        self._has_potentiometer = rig.pendulum.sensor == "potentiometer"
+        self._dt = rig.line.sample_time
+        self._decay = rig.speed.bandwidth * rig.line.sample_time
+        self._last_number: int | None = None
+        self._arm_angle = self._arm_speed = 0.0
+
+    def convert(self, frame: SensorsFrame) -> RigSample:
+        """Convert the next frame."""
+        arm_angle = self._arm.to_si(frame.arm)
+        if self._has_tachometer:
+            self._arm_speed = self._speed.to_si(frame.speed)
+        else:
+            self._filter_speed(arm_angle, frame.sample)
+        self._arm_angle, self._last_number = arm_angle, frame.sample
+        return RigSample(
+            frame.sample,
+            arm_angle,
+            self._arm_speed,
+            wrapped(self._pendulum.to_si(frame.pendulum)),
+            self._drive.to_si(frame.drive),
+            bool(frame.status & ARMED),
+            bool(frame.status & FAULT),
+            bool(frame.status & WATCHDOG),
+            (self._has_tachometer and self._speed.at_rail(frame.speed))
+            or (self._has_potentiometer and self._pendulum.at_rail(frame.pendulum)),
+            RawCodes(frame.arm, frame.speed, frame.pendulum),
+        )
+
+    def _filter_speed(self, arm_angle: float, number: int) -> None:
+        if self._last_number is None:
+            return
+        steps = (number - self._last_number) % 2**32
+        if steps:
+            difference = (arm_angle - self._arm_angle) / (steps * self._dt)
+            share = 1.0 - exp(-self._decay * steps)
+            self._arm_speed += share * (difference - self._arm_speed)
