@@ -1,8 +1,9 @@
 """Random schedules of frames and samples for firmware, and what the reference does with them."""
 
-from random import Random
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from zlib import crc32
+
+from hypothesis import strategies as st
 
 from furuta_hw.emulator.compiled_firmware import (
     ANY_TIMING,
@@ -16,8 +17,6 @@ from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import encode, stuff
 
-# Sample numbers near these are where arithmetic on 32 bits could go wrong.
-WRAP_AROUNDS = (0, 2**31, 2**32)
 CODES = ((-2048, 2047, 0), (-32768, 32767, 0), (0, 4095, 2048), (-100, 50, -7))
 PERIODS = (0, 1, 1000, 2**16, 2**32 - 1)
 WATCHDOGS = (0, 1, 2, 3, 5, 50, 65535)
@@ -33,14 +32,11 @@ class Step(NamedTuple):
 class Schedule:
     """A script for the emulated board, and the reference's steps."""
 
-    def __init__(self, random: Random, codes: tuple[int, int, int] = CODES[0]) -> None:
-        self._random = random
+    def __init__(self, codes: tuple[int, int, int] = CODES[0]) -> None:
         self.script = POWER_ON.pack(b"b", *codes, *ANY_TIMING)
-        self.low, self.high, _ = codes
         self.firmware = Firmware(*codes)
         self.fault = False
-        self.frames = 0
-        self._sent: list[bytes] = []
+        self._last = b"\0"
         self.steps = [Step(self._state())]
 
     def receive(self, data: bytes) -> None:
@@ -81,127 +77,88 @@ class Schedule:
             *(firmware.code, firmware.code, firmware._status, firmware.session is not None),
         )
 
-    def add_random(self, operations: int) -> None:
-        """Add random operations: samples, frames of every kind, damaged frames, jumps."""
-        for _ in range(operations):
-            kind = self._random.random()
-            if kind < 0.4:
-                self._add_sample()
-            elif kind < 0.41:
-                self._jump()
-            else:
-                self._add_bytes()
+    # Operations that depend on the rig's state; OPERATIONS makes them at random.
 
-    def _add_sample(self) -> None:
-        random = self._random
-        self.fault = random.random() < 0.02
-        extreme = random.random() < 0.1
-        arm = random.choice((-(2**31), 2**31 - 1, -1)) if extreme else random.randrange(-999, 999)
-        speed = random.choice((-(2**15), 2**15 - 1)) if extreme else random.randrange(-99, 99)
-        self.sample(arm, speed, random.randrange(-(2**31), 2**31))
+    def add_sample(self, fault: bool, arm: int, speed: int, pendulum: int) -> None:
+        """A sample with or without a fault of the rig."""
+        self.fault = fault
+        self.sample(arm, speed, pendulum)
 
-    def _jump(self) -> None:
-        random = self._random
-        number = (random.choice(WRAP_AROUNDS) + random.randrange(-5, 5)) % 2**32
-        age = random.choice((0, 1, 2, 2**31, random.randrange(2**32)))
-        self.set_numbers(number, (number - age) % 2**32)
+    def jump(self, number: int, age: int) -> None:
+        """Continue near a wrap-around, so long after the last answer."""
+        self.set_numbers(number % 2**32, (number - age) % 2**32)
 
-    def _add_bytes(self) -> None:
-        random = self._random
-        data = b"".join(self._damaged(self._frame()) for _ in range(random.choice((1, 1, 1, 2, 4))))
-        cut = random.randrange(len(data) + 1) if random.random() < 0.2 else len(data)
-        self.receive(data[:cut])
-        if cut < len(data):
-            if random.random() < 0.5:
-                self._add_sample()
-            self.receive(data[cut:])
-
-    def _frame(self) -> bytes:
-        random = self._random
-        self.frames += 1
-        if self._sent and random.random() < 0.1:
-            return random.choice(self._sent[-20:])  # repeated or late
-        if random.random() < 0.03:
-            return self._of_another_length()
-        frame = encode(self._new_frame())
-        self._sent.append(frame)
-        return frame
-
-    def _new_frame(self) -> frames.Frame:
-        random = self._random
-        session = self.firmware.session or 0
-        if random.random() < 0.05:
-            session = random.randrange(2**16)
-        sample = (self.firmware.number - self._age()) % 2**32
-        kind = random.random()
-        if kind < 0.65:
-            return frames.DriveFrame(session, sample, self._code())
-        if kind < 0.9:
-            return frames.ArmFrame(session, sample)
-        if kind < 0.93:
-            return frames.StopFrame(session)
-        if kind < 0.97:
-            return self._hello()
-        return random.choice((frames.WelcomeFrame(1, session, 1000, 5), sensors(session)))
-
-    def _of_another_length(self) -> bytes:
-        """A frame with a right CRC, whose type has another length."""
-        random = self._random
-        body = bytes((random.choice((1, 2, 3, 4, random.randrange(256))),))
-        body += (self.firmware.session or 0).to_bytes(2, "little")
-        body += self.firmware.number.to_bytes(4, "little") + bytes(random.randrange(57))
-        body = body[: random.randrange(len(body) + 1)] if random.random() < 0.5 else body
-        return stuff(body + crc32(body).to_bytes(4, "little")) + b"\0"
-
-    def _age(self) -> int:
-        random, watchdog = self._random, self.firmware.watchdog
-        if random.random() < 0.7:
-            return random.choice((0, 0, 0, 1))
-        return random.choice((-1, 2, watchdog - 1, watchdog, watchdog + 1, 2**31, 2**31 - 1))
-
-    def _code(self) -> int:
-        random = self._random
-        code = random.randrange(self.low, self.high + 1)
-        edges = (self.low, self.high, self.low - 1, self.high + 1, -(2**15), 2**15 - 1)
-        if random.random() < 0.2:
-            code = random.choice(edges)
-        return min(max(code, -(2**15)), 2**15 - 1)
-
-    def _hello(self) -> frames.HelloFrame:
-        random = self._random
-        version = frames.VERSION if random.random() < 0.9 else random.randrange(256)
-        session = random.randrange(2**16)
-        return frames.HelloFrame(version, session, random.choice(PERIODS), random.choice(WATCHDOGS))
-
-    def _damaged(self, frame: bytes) -> bytes:
-        random = self._random
-        at = random.randrange(len(frame))
-        byte = random.choice((random.randrange(256), (frame[at] + 1) % 256))
-        damages = {
-            frame: 70,
-            frame[:at] + bytes((byte,)) + frame[at + 1 :]: 10,
-            frame[at:]: 5,
-            frame[:at] + random.randbytes(random.randrange(1, 4)) + frame[at:]: 5,
-            frame[:-1]: 3,  # the next frame is joined to it
-            frame + b"\0\0": 3,
-            random.randbytes(random.randrange(90)) + frame: 2,
-            b"\1" * random.randrange(60, 70) + random.choice((b"\0", b"")) + frame: 2,
+    def add_frame(self, kind: str, session: int, age: int, value: int) -> None:
+        """Send a frame to this session, or to another one, that answers a sample of this age."""
+        session = ((self.firmware.session or 0) + session) % 2**16
+        sample = (self.firmware.number - age) % 2**32
+        made = {
+            "arm": frames.ArmFrame(session, sample),
+            "drive": frames.DriveFrame(session, sample, min(max(value, -(2**15)), 2**15 - 1)),
+            "stop": frames.StopFrame(session),
+            "hello": frames.HelloFrame(
+                frames.VERSION + (value % 9 == 0),
+                session,
+                PERIODS[value % len(PERIODS)],
+                WATCHDOGS[value % len(WATCHDOGS)],
+            ),
+            "welcome": frames.WelcomeFrame(1, session, 1000, 5),
+            "sensors": frames.SensorsFrame(session, 1, 0, 1, 0, 0, 0, 0, 0),
         }
-        (damaged,) = random.choices([*damages], [*damages.values()])
-        return damaged
+        self._last = encode(made[kind])
+        self.receive(self._last)
+
+    def repeat(self, at: int, new: bytes, removed: int) -> None:
+        """Send the last frame again, changed in one place."""
+        self.receive(self._last[:at] + new + self._last[at + removed :])
+
+    def other_length(self, kind: int, body: bytes) -> None:
+        """Send a frame with a right CRC, whose type has another length."""
+        payload = bytes((kind,)) + (self.firmware.session or 0).to_bytes(2, "little") + body
+        self.receive(stuff(payload + crc32(payload).to_bytes(4, "little")) + b"\0")
 
 
-def sensors(session: int) -> frames.SensorsFrame:
-    """A frame that a host never sends."""
-    return frames.SensorsFrame(session, 1, 0, 1, 0, 0, 0, 0, 0)
+def integers(bits: int) -> st.SearchStrategy[int]:
+    """Signed integers of so many bits."""
+    return st.integers(-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)
 
 
-def random_schedule(seed: int, operations: int) -> Schedule:
-    """Make a schedule from a seed."""
-    random = Random(seed)
-    schedule = Schedule(random, random.choice(CODES))
-    schedule.start_session(random.randrange(2**16), random.choice(WATCHDOGS[2:]))
-    schedule.add_random(operations)
+# What a host sends that drives the rig, and any other frame.
+ANSWER = st.tuples(
+    *(st.just("add_frame"), st.sampled_from(("arm", "drive", "drive")), st.just(0)),
+    *(st.sampled_from((0, 0, 1)), st.integers(-60, 60)),
+)
+AGES = st.integers(-1, 6) | st.sampled_from((49, 50, 2**31 - 1, 2**31)) | integers(32)
+KINDS = st.sampled_from(("arm", "drive", "drive", "stop", "hello", "welcome", "sensors"))
+ANY_FRAME = st.tuples(
+    *(st.just("add_frame"), KINDS, st.sampled_from((0, 0, 0, 1))),
+    *(AGES, st.integers(-120, 120) | integers(17)),
+)
+FAULTS = st.sampled_from((False, False, False, True))
+ANY_SAMPLE = st.tuples(st.just("add_sample"), FAULTS, integers(32), integers(16), integers(32))
+BYTES = st.binary(max_size=4)
+OPERATIONS = st.one_of(
+    *(ANSWER, ANSWER, ANY_FRAME, ANY_FRAME, ANY_SAMPLE, ANY_SAMPLE),
+    st.tuples(st.just("repeat"), st.integers(0, 20), BYTES, st.integers(0, 4)),
+    st.tuples(st.just("jump"), st.sampled_from((5, 2**31 + 4, 2**32 - 3)), AGES),
+    st.tuples(st.just("other_length"), st.integers(0, 255), st.binary(max_size=57)),
+    st.tuples(st.just("receive"), st.binary(max_size=90)),
+)
+
+
+def random_schedules() -> st.SearchStrategy[Any]:
+    """Codes, watchdog and operations of a schedule."""
+    return st.tuples(
+        st.sampled_from(CODES), st.sampled_from(WATCHDOGS[2:]), st.lists(OPERATIONS, min_size=20)
+    )
+
+
+def schedule_of(codes: tuple[int, int, int], watchdog: int, operations: list[Any]) -> Schedule:
+    """The schedule with these operations in a session that has begun."""
+    schedule = Schedule(codes)
+    schedule.start_session(77, watchdog)
+    for name, *arguments in operations:
+        getattr(schedule, name)(*arguments)
     schedule.sample()
     return schedule
 

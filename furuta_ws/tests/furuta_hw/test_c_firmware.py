@@ -4,9 +4,11 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
-from firmware_schedules import Schedule, assert_same, random_schedule
+from firmware_schedules import Schedule, assert_same, random_schedules, schedule_of
+from hypothesis import given, settings
 
 from furuta_hw.emulator.compiled_firmware import POWER_ON, CompiledFirmware, parse_log
 from furuta_hw.emulator.emulated_rig import EmulatedRig
@@ -21,13 +23,13 @@ PAGE = Path(__file__).resolve().parents[3] / "docs" / "hardware.md"
 SESSION = 4660  # of the documentation's test vectors
 
 
-@pytest.mark.parametrize("seeds", [range(4), pytest.param(range(4, 70), marks=pytest.mark.long)])
-def test_random_schedules(replays: Replays, seeds: range) -> None:
+@settings(max_examples=200, deadline=None)
+@given(given=random_schedules())
+def test_random_schedules(replays: Replays, given: Any) -> None:
     """Frames of every kind, damaged, repeated, late, of other sessions, beyond wrap-arounds."""
-    for seed in seeds:
-        schedule = random_schedule(seed, 500)
-        for log in {replay(schedule.script) for replay in replays.values()}:
-            assert_same(schedule, log)
+    schedule = schedule_of(*given)
+    for log in {replay(schedule.script) for replay in replays.values()}:
+        assert_same(schedule, log)
 
 
 def vectors() -> dict[str, bytes]:
@@ -39,7 +41,7 @@ def vectors() -> dict[str, bytes]:
 def vector_schedule() -> Schedule:
     """A schedule with every frame of the documentation's test vectors."""
     given = vectors()
-    schedule = Schedule(Random(0))
+    schedule = Schedule()
     schedule.receive(given["Hello(1, 4660, 1000, 50)"])
     for _ in range(7):
         schedule.sample()
@@ -75,7 +77,7 @@ def test_vectors_of_the_documentation(replays: Replays) -> None:
 
 def test_counters_wrap_around(replays: Replays) -> None:
     """Driven across sample 2³² without interruption; 2¹⁶ discarded frames count as none."""
-    schedule = Schedule(Random(0))
+    schedule = Schedule()
     schedule.start_session()
     schedule.set_numbers(2**32 - 10, 2**32 - 10)
     for _ in range(20):
