@@ -22,6 +22,7 @@ from furuta_recordings.bags import writer as module
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.recovery import recover
+from furuta_recordings.bags.series import read_series
 from furuta_recordings.bags.writer import BagWriter
 from furuta_recordings.readers import Mapping, read, read_axis
 from furuta_ros.errors import UserError
@@ -262,13 +263,13 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
 
 
 def test_more_messages_than_fit_into_memory(tmp_path: Path, monkeypatch: Any) -> None:
-    monkeypatch.setattr("furuta_recordings.bags.bag.MOST_IN_MEMORY", 400)
+    monkeypatch.setattr("furuta_recordings.bags.series.MOST_IN_MEMORY", 400)
     reason = "500 messages on /a, at most 400 fit"
     with (
         Bag(written(tmp_path / "bag")) as opened,
         pytest.raises(ParameterError, match=reason),
     ):
-        list(opened.messages_in_memory(opened.connections))
+        read_series(opened, ["/a"])
 
 
 BEGIN, BOOT = 1_700_000_000_000_000_000, 7_000_000_000

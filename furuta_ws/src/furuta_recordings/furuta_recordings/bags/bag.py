@@ -17,9 +17,6 @@ from furuta_recordings.bags.message_types import definition_of, typestore_of
 from furuta_recordings.bags.metadata import METADATA_FILE, PARAMETERS_FILE
 from furuta_ros.time_stamps import NANOSECONDS
 
-# Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
-MOST_IN_MEMORY = 1_000_000
-
 
 class Bag:
     """A bag of any origin, opened by ``with``; every problem with it is a one-line error.
@@ -29,7 +26,7 @@ class Bag:
     """
 
     def __init__(self, path: Path) -> None:
-        self._path = path
+        self.path = path
         self._types: dict[str, Typestore] = {}
         if not path.exists():
             raise ParameterError(f"no bag {path}")
@@ -37,9 +34,9 @@ class Bag:
     def __enter__(self) -> Bag:
         self._refuse_open_log()
         with self._one_line_errors():
-            if self._path.is_dir() and not (self._path / METADATA_FILE).is_file():
+            if self.path.is_dir() and not (self.path / METADATA_FILE).is_file():
                 raise ParameterError(f"it has no {METADATA_FILE}")
-            self._reader = Reader(self._path)
+            self._reader = Reader(self.path)
             self._reader.open()
         self.connections: list[Connection] = list(self._reader.connections)
         self.message_count: int = self._reader.message_count
@@ -52,8 +49,8 @@ class Bag:
 
     def _refuse_open_log(self) -> None:
         """Refuse a sqlite3 file with a write-ahead log, which the reader ignores."""
-        beside = self._path.parent / f"{self._path.name}-wal"
-        for log in (beside, *self._path.glob("*.db3-wal")):
+        beside = self.path.parent / f"{self.path.name}-wal"
+        for log in (beside, *self.path.glob("*.db3-wal")):
             if log.is_file() and log.stat().st_size:
                 file = str(log).removesuffix("-wal")
                 raise ParameterError(
@@ -82,19 +79,6 @@ class Bag:
         messages = [(time, data) for _, time, data in self.messages([topic], first, last)]
         return np.array([time for time, _ in messages], np.int64), [data for _, data in messages]
 
-    def messages_in_memory(
-        self, chosen: Iterable[Connection]
-    ) -> Iterator[tuple[Connection, int, bytes]]:
-        """Messages as :meth:`messages` gives them; refuses topics that do not fit into memory."""
-        topics = list(chosen)
-        for topic in topics:
-            if topic.msgcount > MOST_IN_MEMORY:
-                raise ParameterError(
-                    f"{self._path}: {topic.msgcount} messages on {topic.topic}, at most "
-                    f"{MOST_IN_MEMORY} fit into memory; record shorter bags"
-                )
-        return self.messages(topics)
-
     def deserialize(self, data: bytes, type_name: str) -> Any:
         """A message from its serialized content."""
         with self._one_line_errors():
@@ -115,7 +99,7 @@ class Bag:
         except Exception as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
             raise ParameterError(
-                f"{self._path} is not a readable bag: {reason} "
+                f"{self.path} is not a readable bag: {reason} "
                 "(`furuta bag recover` copies what is still readable into a new bag)"
             ) from None
 

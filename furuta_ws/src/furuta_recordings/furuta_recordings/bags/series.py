@@ -17,6 +17,8 @@ from furuta_ros.topic_names import JOINTS
 from furuta_ros.wire import unpack_joint_state
 
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
+# Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
+MOST_IN_MEMORY = 1_000_000
 
 
 class _Joint(NamedTuple):
@@ -91,10 +93,20 @@ class Series:
 
 
 def read_series(bag: Bag, topics: Iterable[str]) -> dict[str, Series]:
-    """The series of topics (full names), in the order of their messages."""
+    """The series of topics (full names), in the order of their messages.
+
+    Raises:
+        ParameterError: The bag is damaged, or a topic does not fit into memory.
+    """
     series = {topic: Series() for topic in topics}
     chosen = [connection for connection in bag.connections if connection.topic in series]
-    for connection, time, data in bag.messages_in_memory(chosen):
+    for topic in chosen:
+        if topic.msgcount > MOST_IN_MEMORY:
+            raise ParameterError(
+                f"{bag.path}: {topic.msgcount} messages on {topic.topic}, at most "
+                f"{MOST_IN_MEMORY} fit into memory; record shorter bags"
+            )
+    for connection, time, data in bag.messages(chosen):
         if connection.msgtype == JOINT_STATE_TYPE:
             series[connection.topic].add_joints(time, data, bag)
         else:
