@@ -24,7 +24,7 @@ from mcap.records import (
 from mcap.writer import LIBRARY_IDENTIFIER, MCAP0_MAGIC
 
 # Largest chunk [bytes], but for its last message.
-LARGEST_CHUNK = 2**16
+LARGEST_CHUNK = 2**18
 # Opcode, length, channel, sequence number, and two times.
 _MESSAGE = Struct("<BQHIQQ")
 _HEAD = 22  # bytes of a message before its data
@@ -43,18 +43,21 @@ class Stream(Protocol):
 class McapFile:
     """Topics and messages of an MCAP file with the profile ros2.
 
-    ``counts`` are the numbers of messages by channel, ``times`` the first and the last one [ns].
+    ``counts`` are the numbers of messages by channel, ``times`` the first and the last one [ns]
+    in complete chunks, 0 without one.
     """
 
     def __init__(self, stream: Stream) -> None:
         self._stream = stream
         self._schemas: list[Schema] = []
         self._channels: list[Channel] = []
-        self._indexes: list[ChunkIndex] = []
+        self._indexes = bytearray()  # of the chunks, encoded
+        self._chunks = 0
         self._chunk = bytearray()
         # Times and places of the messages in the chunk, one after the other, by channel.
         self._places: defaultdict[int, list[int]] = defaultdict(list)
         self.counts: defaultdict[int, int] = defaultdict(int)
+        self.times = 0, 0
         stream.write(MCAP0_MAGIC + _encoded(Header("ros2", LIBRARY_IDENTIFIER)))
 
     def add_schema(self, name: str, encoding: str, data: bytes) -> int:
@@ -93,35 +96,32 @@ class McapFile:
             offsets[channel] = self._stream.tell()
             self._stream.write(_message_index(channel, each))
         size = self._stream.tell() - end
-        self._indexes.append(
+        self._indexes += _encoded(
             ChunkIndex(end - begin, begin, "", len(data), last, size, offsets, first, len(data))
         )
-
-    @property
-    def times(self) -> tuple[int, int]:
-        """First and last time of a message [ns]; 0 without one."""
-        first = min((index.message_start_time for index in self._indexes), default=0)
-        return first, max((index.message_end_time for index in self._indexes), default=0)
+        if self._chunks:
+            first, last = min(first, self.times[0]), max(last, self.times[1])
+        self.times = first, last
+        self._chunks += 1
 
     def finish(self) -> None:
         """Write the summary, which readers look for at the end."""
         self.end_chunk()
         self._stream.write(_encoded(DataEnd(0)))
         begin = self._stream.tell()
-        first, last = self.times
         statistics = Statistics(
             attachment_count=0,
             channel_count=len(self._channels),
             channel_message_counts=self.counts,
-            chunk_count=len(self._indexes),
+            chunk_count=self._chunks,
             message_count=sum(self.counts.values()),
-            message_end_time=last,
-            message_start_time=first,
+            message_end_time=self.times[1],
+            message_start_time=self.times[0],
             metadata_count=0,
             schema_count=len(self._schemas),
         )
-        records = (*self._schemas, *self._channels, *self._indexes, statistics)
-        self._stream.write(_encoded(*records, Footer(begin, 0, 0)) + MCAP0_MAGIC)
+        self._stream.write(_encoded(*self._schemas, *self._channels, statistics))
+        self._stream.write(bytes(self._indexes) + _encoded(Footer(begin, 0, 0)) + MCAP0_MAGIC)
 
 
 def _encoded(*records: McapRecord) -> bytes:
