@@ -5,10 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from furuta.oscillation import fell, measure_oscillation, period
+from furuta.oscillation import fell, measure_oscillation
 
 DT = 1e-3
 TIME = np.arange(0, 30, DT)
+
+
+def period(phi: np.ndarray, sample_time: float) -> float:
+    """Period of an arm angle [s]."""
+    return measure_oscillation(states(phi), sample_time).period_s
 
 
 def states(phi: np.ndarray, theta: np.ndarray | None = None) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
-from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
+from furuta_model.state import PHI, PHI_DOT, THETA
 
 # Fraction of the peak-to-peak value by which φ must go below the midpoint between crossings.
 HYSTERESIS = 0.1
@@ -134,13 +134,6 @@ def _accumulate_series(sums: np.ndarray, state: np.ndarray) -> None:
         accumulate_midpoint(sums[0], x)
     for x in state:
         accumulate(sums[0], x)
-
-
-def period(signal: np.ndarray, sample_time: float) -> float:
-    """Mean time [s] between upward crossings of the midpoint; NaN with fewer than two."""
-    state = np.zeros((len(signal), RIGID_STATES))
-    state[:, PHI] = signal
-    return measure_oscillation(state, sample_time).period_s
 
 
 def fell(state: np.ndarray) -> bool:

@@ -2,7 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 from math import cos, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from furuta_hw.rigs.rig import Rig
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA
+from furuta_sim.parameters import InitialState
 from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 
 # Pendulum angle [rad] within which it counts as upright: its tip is above 0.9 of its height.
@@ -27,15 +28,10 @@ HANGING = -pi
 
 
 class SwingUpRun(NamedTuple):
-    """When the pendulum was upright for good [s], NaN if never; and whether a limit was exceeded.
-
-    ``arm_angle_rad`` and ``arm_speed_rad_s`` are the largest of the run.
-    """
+    """When the pendulum was upright for good [s], NaN if never; whether a limit was exceeded."""
 
     upright_s: float
     beyond_limits: bool
-    arm_angle_rad: float
-    arm_speed_rad_s: float
 
 
 def swing_up_settings(rig: Rig) -> Settings:
@@ -57,7 +53,7 @@ def judge(run: Record, loop: Loop) -> SwingUpRun:
         or speed > p.arm_speed_limit
         or float(np.max(np.abs(run.command))) > p.voltage_limit
     )
-    return SwingUpRun(upright_since(run.state, run.sample_time), beyond, arm, speed)
+    return SwingUpRun(upright_since(run.state, run.sample_time), beyond)
 
 
 def upright_since(state: np.ndarray, sample_time: float) -> float:
@@ -65,12 +61,6 @@ def upright_since(state: np.ndarray, sample_time: float) -> float:
     down = np.nonzero(np.cos(state[:, THETA]) < cos(UPRIGHT_ANGLE))[0]
     since = int(down[-1]) + 1 if len(down) else 0
     return since * sample_time if since < len(state) else float("nan")
-
-
-def with_initial(loop: Loop, state: Any, seed: int) -> Loop:
-    """The loop from another initial ``state`` (φ, φ̇, θ, θ̇) and with another seed."""
-    initial = type(loop.plant.initial)(*map(float, state))
-    return loop._replace(plant=loop.plant._replace(initial=initial, seed=seed))
 
 
 # Time of a run [s], and time by which the pendulum must be upright.
@@ -132,9 +122,10 @@ def _random_start(loop: Loop, generator: np.random.Generator, seed: int) -> Loop
     )
     p, (levels, viscous) = plant.friction.parameters, factors[4:]
     p = p._replace(alpha0=p.alpha0 * levels, alpha1=p.alpha1 * levels, viscous=p.viscous * viscous)
-    changed = plant._replace(model=model, friction=plant.friction._replace(parameters=p))
-    state = _random_state(loop, generator)
-    return with_initial(loop._replace(plant=changed), state, seed)
+    friction = plant.friction._replace(parameters=p)
+    initial = InitialState(*_random_state(loop, generator))
+    changed = plant._replace(model=model, friction=friction, initial=initial, seed=seed)
+    return loop._replace(plant=changed)
 
 
 def _random_state(loop: Loop, generator: np.random.Generator) -> tuple[float, float, float, float]:
