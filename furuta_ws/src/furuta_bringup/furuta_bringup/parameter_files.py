@@ -61,12 +61,5 @@ def describe(parameter: Declared) -> str:
 
 
 def _yaml(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        text = repr(value)
-        # YAML 1.1 reads 1e-05 as text.
-        return text if "." in text or "e" not in text else text.replace("e", ".0e")
-    if isinstance(value, tuple):
-        return str(list(value))
-    return str(value) or '""'
+    given = list(value) if isinstance(value, tuple) else value
+    return yaml.safe_dump(given, default_flow_style=True, width=1000).partition("\n")[0]

@@ -1,7 +1,7 @@
 """The charts of the page: angles and voltages over time, and two planes.
 
 The axes are set here: a single unknown value, such as the friction of a rig, would leave a chart
-empty whose range viser finds itself.
+empty whose range viser finds itself. On an axis that is set, points may also be in any order.
 """
 
 from typing import Any, NamedTuple
@@ -60,7 +60,7 @@ class Chart:
             scales=_scales(least),
             axes=tuple(_axis(*about) for about in zip(names, (30, 48), strict=True)),
             legend={"show": True, "live": False},
-            cursor={"show": False},  # it looks for ascending values
+            cursor={"show": not least[0]},  # it looks for ascending values, such as times
             height=HEIGHT,
             padding=(6, 12, 0, 0),
         )

@@ -1,6 +1,7 @@
 """The page over a running graph: collects, draws and passes on what the user changes."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from functools import partial
 from itertools import count
 from time import monotonic, sleep
@@ -12,7 +13,7 @@ from furuta_description.robot_description import robot_description
 from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.context import ros_context, tell_graph
-from furuta_ros.process_end import StopSignal
+from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_view.charts import SECONDS, Charts
 from furuta_view.exact_cycle import (
     analysed_loop,
@@ -44,14 +45,17 @@ def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     """Print the address, open the browser where there is one, and draw until Ctrl-C."""
     stop = StopSignal()
     server.announce(opens)
-    with ros_context(namespace=namespace):
+    with ExitStack() as ros:
+        ros.enter_context(ros_context(namespace=namespace))
         tell_graph(namespace)
         page = LivePage(server)
         try:
             page.run(stop)
         finally:
             page.close()
-    server.stop()
+        server.stop()
+        with bounded_end(0):
+            ros.close()
 
 
 class LivePage:
