@@ -19,8 +19,8 @@ test test-all:
 # with an environment of its own. NOBLE_PYTHON are candidates, its own Python first.
 NOBLE = output/noble
 NOBLE_TESTS = $(addprefix furuta_ws/tests/,\
-	furuta_bringup furuta_control furuta_description furuta_graph furuta_hw furuta_model \
-	furuta_recordings furuta_ros furuta_view workspace/test_dependencies.py \
+	furuta_bringup furuta_control furuta_description furuta_hw furuta_model \
+	furuta_recordings furuta_ros page workspace/test_dependencies.py \
 	$(patsubst %,furuta/test_%.py,axis comparison_scores figure gym library limit_cycle own_functions proof \
 		study_files trust_region tuning whole_files) \
 	$(patsubst %,graph/test_%.py,accepted_parts hostile_input lockstep reset second_publishers) \

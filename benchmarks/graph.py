@@ -14,8 +14,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.executors import Executor
 from rclpy.parameter import Parameter
 
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.settings import Settings, default_settings
+from furuta.settings.settings import Settings, default_settings
+from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_ros.context import ros_context
 from furuta_ros.spinning import spin_until
 

@@ -15,18 +15,18 @@ from typing import Any
 
 import numpy as np
 
+from furuta.identification.identify import identify
+from furuta.identification.options import Options
+from furuta.identification.result.identified_rig import identified_rig
 from furuta.lanes.batch import batch
+from furuta.settings.settings import loop, rig_settings
 from furuta.studies.comparison.candidates import parse_candidates
 from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.settings.settings import loop, rig_settings
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine, SafetyLimits
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
-from furuta_identification.identify import identify
-from furuta_identification.options import Options
-from furuta_identification.result.identified_rig import identified_rig
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction

@@ -25,11 +25,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_identification.axis.identify import identify_axis
-from furuta_identification.identify import identify
-from furuta_identification.options import Options
-from furuta_identification.regression.equations import has_one_level
-from furuta_identification.result.report import summary, verdict
+from furuta.identification.axis.identify import identify_axis
+from furuta.identification.identify import identify
+from furuta.identification.options import Options
+from furuta.identification.regression.equations import has_one_level
+from furuta.identification.result.report import summary, verdict
 from furuta_model.parameters import ParameterError
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "tests"))

@@ -13,7 +13,7 @@ from ros_domain import take_domain
 if TYPE_CHECKING:
     from testbench import Bench
 
-    from furuta_graph.settings.settings import Settings
+    from furuta.settings.settings import Settings
 
 SOURCES = Path(__file__).resolve().parent / "src"
 
@@ -25,7 +25,7 @@ sys.path[:] = [path for path in sys.path if Path(path).resolve().parent != SOURC
 
 # Folders whose tests take long; all others come first, so that a failure shows early. The last one
 # has many short files, so that all workers end at the same time.
-SLOW = ("processes", "workspace", "graph", "proofs", "soak", "furuta_identification", "furuta")
+SLOW = ("processes", "workspace", "graph", "proofs", "soak", "identification", "furuta")
 
 # What some files of tests import, and rosdep does not install.
 OPTIONAL = ("distributed", "flint", "gymnasium", "viser", "websockets")
@@ -122,6 +122,6 @@ def evil(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_parts: None) -> Pat
 @pytest.fixture
 def settings() -> Settings:
     """Settings that leave every parameter at its default."""
-    from furuta_graph.settings.settings import default_settings
+    from furuta.settings.settings import default_settings
 
     return default_settings()

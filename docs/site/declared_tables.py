@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from furuta.figures.figure import SYMBOLS
-from furuta_graph.settings.nodes import NODES
+from furuta.settings.nodes import NODES
 from furuta_hw.rigs.physical import PhysicalParameters
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import LinearCoefficients

@@ -29,7 +29,7 @@ from furuta_hw.emulator.firmware_compiler import run_compiler
 
 ROOT = Path(__file__).parents[2]
 HERE = ROOT / "docs" / "site" / "page"
-SCENES = ROOT / "furuta_ws/src/furuta_view/furuta_view/guided_scenes.yaml"
+SCENES = ROOT / "furuta_ws/src/furuta_bringup/furuta_bringup/page/guided_scenes.yaml"
 OPTIONS = "-std=c99", "-target", "wasm32-freestanding", "-O2", "-ffp-contract=off"
 # The only library is the compiler's own, which has fma.
 ALONE = "-nodefaultlibs", "-fno-builtin-memset", "-Wl,--no-entry", "-Wl,--strip-all"

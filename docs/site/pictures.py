@@ -20,8 +20,8 @@ from matplotlib.animation import FuncAnimation, PillowWriter
 import furuta
 from furuta.figures.figure import style_time_series
 from furuta.figures.series import draw_series
+from furuta.settings.settings import load_settings, loop
 from furuta.studies.swing_up import swing_up_settings
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.state import PHI, THETA
 from furuta_sim.simulation.closed_loop import Simulation
 

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from testbench import Bench
 
+from furuta_bringup.graph.parameter_client import ParameterClient
+from furuta_bringup.graph.processes import executable
 from furuta_bringup.launching import launched_nodes
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.processes import executable
 from furuta_ros.topics import GROUND_TRUTH, QOS, Topic
 
 

@@ -9,7 +9,7 @@ import sys
 import numpy as np
 from browser import Page, open_browser
 
-from furuta_graph.processes import executable
+from furuta_bringup.graph.processes import executable
 
 COMMAND = ["view", "--no-open", "--", "--lockstep"]
 ARM = "arm φ [rad]"

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from furuta.outcomes import outcome
+from furuta.settings.nodes import NODES
+from furuta.settings.settings import default_settings, load_settings, loop
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
 from furuta.studies.comparison.comparison import Comparison
 from furuta.studies.comparison.rigs import (
@@ -17,8 +19,6 @@ from furuta.studies.comparison.rigs import (
     named_rigs,
     nominal_values,
 )
-from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.settings import default_settings, load_settings, loop
 from furuta_hw.rigs.uncertainty import Uncertainty
 from furuta_model.friction.laws import LAWS
 from furuta_model.parameters import ParameterError, declared

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from furuta.outcomes import outcome
-from furuta_graph.settings.settings import load_settings, loop, rig_settings
+from furuta.settings.settings import load_settings, loop, rig_settings
 from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError, build

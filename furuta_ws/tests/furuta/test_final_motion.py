@@ -15,8 +15,8 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.limit_cycles.rest_stability import rest_stability
 from furuta.outcomes import Outcome, outcome
+from furuta.settings.settings import load_settings, loop
 from furuta.studies.analysis_options import AnalysisOptions
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from furuta.lanes.batch import batch
-from furuta_graph.settings.settings import load_settings, loop
+from furuta.settings.settings import load_settings, loop
 from furuta_sim.simulation.closed_loop import Simulation
 
 ENCODER_COUNT = 2 * pi / 250

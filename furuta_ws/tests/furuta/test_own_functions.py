@@ -14,9 +14,9 @@ from random_loops import random_loop
 import furuta
 from furuta.lanes.lanes import prepare, run_block
 from furuta.outcomes import SETTLED, outcome
+from furuta.settings.settings import default_settings, load_settings, loop
 from furuta.studies.comparison.candidates import parse_candidates
 from furuta.studies.sweep import parse_swept_parameter
-from furuta_graph.settings.settings import default_settings, load_settings, loop
 from furuta_model.accepted_parts import accept_parts, part_name
 from furuta_model.friction import laws
 from furuta_sim.simulation.closed_loop import Simulation

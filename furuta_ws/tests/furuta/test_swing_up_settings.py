@@ -5,8 +5,8 @@ from math import pi
 import numpy as np
 import pytest
 
+from furuta.settings.settings import load_settings, loop
 from furuta.studies.swing_up import Knocks, count_knocks, swing_up_settings
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.parameters import ParameterError
 from furuta_sim.simulation.closed_loop import Record

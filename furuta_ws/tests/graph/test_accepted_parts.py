@@ -10,10 +10,10 @@ from own_parts import EVIL
 from std_msgs.msg import Float64
 from testbench import Bench
 
+from furuta.settings.nodes import NODES
+from furuta_bringup.graph.parameter_client import ParameterClient
+from furuta_bringup.graph.services import ServiceError
 from furuta_bringup.launching import launched_nodes
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.services import ServiceError
-from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError
 from furuta_recordings.replay_node import message_class
 from furuta_ros.context import ros_context

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from furuta_graph.graph_plan import GraphOptions, plan_graph
-from furuta_graph.processes import executable
-from furuta_graph.settings.nodes import NODES, check_graph
-from furuta_graph.settings.settings import load_settings, parameters_of
+from furuta.settings.nodes import NODES, check_graph
+from furuta.settings.settings import load_settings, parameters_of
+from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
+from furuta_bringup.graph.processes import executable
 from furuta_model.parameters import ParameterError
 
 OTHERS = ["estimator", "friction_observer", "controller"]

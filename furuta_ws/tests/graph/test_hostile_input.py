@@ -10,12 +10,12 @@ from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import JointState
 from testbench import Bench
 
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.settings import Settings
+from furuta.settings.nodes import NODES
+from furuta.settings.settings import Settings
+from furuta_bringup.graph.composed_graph import SimulatedGraph
+from furuta_bringup.page.live_node import LiveNode
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.topics import JOINT_STATES, Topic
-from furuta_view.live_node import LiveNode
 
 
 @pytest.mark.parametrize("name", NODES)

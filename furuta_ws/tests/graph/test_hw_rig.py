@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from furuta.outcomes import outcome
-from furuta_graph.settings.settings import load_settings, loop, rig_settings
+from furuta.settings.settings import load_settings, loop, rig_settings
 from furuta_hw.bridge.guarded_rig import SLEW, SampleClock
 from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, SensorsFrame

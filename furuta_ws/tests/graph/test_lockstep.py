@@ -15,10 +15,10 @@ from rclpy.serialization import deserialize_message
 from rosbags.highlevel import AnyReader
 from std_msgs.msg import String
 
+from furuta.settings.settings import Settings, default_settings, load_settings, loop
 from furuta.studies.swing_up import swing_up_settings
+from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.settings import Settings, default_settings, load_settings, loop
 from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.accepted_parts import accept_parts
 from furuta_model.parameters import values

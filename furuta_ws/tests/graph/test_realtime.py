@@ -5,8 +5,8 @@ from time import monotonic
 import pytest
 from rclpy.parameter import Parameter
 
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.settings import Settings
+from furuta.settings.settings import Settings
+from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_ros.spinning import spin_until
 
 pytestmark = pytest.mark.realtime

@@ -5,9 +5,9 @@ import pytest
 from rclpy.node import Node
 from std_srvs.srv import Trigger
 
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.settings.settings import load_settings
+from furuta.settings.settings import load_settings
+from furuta_bringup.graph.composed_graph import SimulatedGraph
+from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_ros.spinning import spin_until
 
 

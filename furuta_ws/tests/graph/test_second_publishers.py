@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 from rclpy.node import Node
 
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.settings.settings import default_settings
+from furuta.settings.settings import default_settings
+from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_ros.spinning import spin_until
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, QOS, Topic
 

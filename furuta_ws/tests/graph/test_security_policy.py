@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from testbench import Bench
 
-from furuta_graph.settings.nodes import NODES
+from furuta.settings.nodes import NODES
 from furuta_hw.rigs.known_rigs import config_directory
 
 POLICY = config_directory() / "security" / "policy.xml"

@@ -7,9 +7,9 @@ import pytest
 import yaml
 from testbench import Bench
 
+from furuta.settings.nodes import NODES
+from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError, declared
 from furuta_ros.context import ros_context
 from furuta_sim.plant_node import PlantNode

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from rclpy.node import Node
 
+from furuta.settings.settings import Settings, load_settings, loop
 from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan, TuningResult
 from furuta.studies.tuning.tuning import tune, tune_simulated
 from furuta_bringup.demo_run import in_lockstep
+from furuta_bringup.graph.composed_graph import SimulatedGraph
+from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.tuning_client import EstimateBuffer, TuningClient
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.settings.settings import Settings, load_settings, loop
 
 
 def silent(message: str, seconds: float) -> None:

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from furuta.settings.nodes import NODES
 from furuta_bringup import main
-from furuta_graph.processes import executable
-from furuta_graph.services import ATTEMPTS, ServiceCaller
-from furuta_graph.settings.nodes import NODES
+from furuta_bringup.graph.processes import executable
+from furuta_bringup.graph.services import ATTEMPTS, ServiceCaller
 from furuta_hw.emulator.running_rig import ask
 from furuta_model.compilation_notice import NOTICE
 

@@ -11,8 +11,8 @@ import pytest
 
 from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan
 from furuta_bringup import main
+from furuta_bringup.graph.processes import executable
 from furuta_bringup.verbs import demo
-from furuta_graph.processes import executable
 
 GOOD_FILE = """
 /**:

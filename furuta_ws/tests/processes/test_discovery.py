@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from furuta_graph.processes import executable
+from furuta_bringup.graph.processes import executable
 from furuta_ros.discovery import RANGE, describe_discovery, reaches_network, restrict_discovery
 from furuta_ros.ports import DATA_PORTS
 

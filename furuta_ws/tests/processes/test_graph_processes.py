@@ -14,9 +14,9 @@ from processes.conftest import wait_for
 from rosbags.highlevel import AnyReader
 from testbench import Bench
 
-from furuta_graph.graph_plan import GraphOptions, plan_graph
-from furuta_graph.settings.nodes import graph_nodes
-from furuta_graph.settings.settings import load_settings, loop
+from furuta.settings.nodes import graph_nodes
+from furuta.settings.settings import load_settings, loop
+from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
 from furuta_sim.simulation.closed_loop import simulate

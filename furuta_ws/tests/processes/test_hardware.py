@@ -18,11 +18,11 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.parameter import Parameter
 from testbench import Bench
 
+from furuta.settings.nodes import HARDWARE_BRIDGE, graph_nodes
+from furuta.settings.settings import load_settings, loop
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_graph.settings.nodes import HARDWARE_BRIDGE, graph_nodes
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.rigs.rig import Rig
 from furuta_ros.topics import COMMAND, MEASUREMENT

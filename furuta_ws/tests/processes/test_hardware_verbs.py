@@ -9,7 +9,7 @@ from bridge_bench import PERMISSIVE_RIG
 from processes.conftest import wait_for
 from rosbags.highlevel import AnyReader
 
-from furuta_graph.settings.settings import read_file
+from furuta.settings.settings import read_file
 
 # Limits that a delay of the machine does not reach; the tachometer measures slow motion only.
 PATIENT_RIG = """

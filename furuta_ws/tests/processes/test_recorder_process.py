@@ -9,7 +9,7 @@ import pytest
 from paused_graph import PausedGraph, launch_commands
 from testbench import Bench
 
-from furuta_graph.processes import executable
+from furuta_bringup.graph.processes import executable
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import PARAMETERS_FILE

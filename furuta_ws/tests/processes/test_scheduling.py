@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from furuta_graph.scheduling import may_have_priority
+from furuta_bringup.graph.scheduling import may_have_priority
 
 pytestmark = pytest.mark.realtime
 

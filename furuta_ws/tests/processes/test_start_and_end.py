@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from processes.conftest import TIMEOUT, wait_for, wait_until_ready
 
-from furuta_graph.processes import executable
-from furuta_graph.settings.nodes import NODES
+from furuta.settings.nodes import NODES
+from furuta_bringup.graph.processes import executable
 from furuta_ros.process_start import own_arguments
 
 FURUTA = ("furuta_bringup", "furuta")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from furuta_graph.settings.settings import read_file
+from furuta.settings.settings import read_file
 
 Furuta = Callable[..., Any]
 

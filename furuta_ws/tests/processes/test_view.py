@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from browser import Page, open_browser
 
-from furuta_view.guided_scenes import guided_steps
-from furuta_view.simulation_controls import RESET
+from furuta_bringup.page.guided_scenes import guided_steps
+from furuta_bringup.page.simulation_controls import RESET
 
 pytestmark = pytest.mark.timeout(900)
 

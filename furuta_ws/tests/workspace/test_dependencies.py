@@ -20,7 +20,7 @@ from sources import (
     setup_options,
 )
 
-from furuta_graph.settings.nodes import NODES
+from furuta.settings.nodes import NODES
 
 # How rosdep installs a key on Ubuntu 24.04. Source: rosdep/python.yaml and jazzy/distribution.yaml
 # of github.com/ros/rosdistro at commit 8468e88ccd523427f9131e39d2af0938f1c298b2.

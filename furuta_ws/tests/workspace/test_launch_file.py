@@ -11,8 +11,8 @@ import pytest
 import yaml
 from sources import ROOT, SOURCES
 
+from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
 from furuta_bringup.launching import launched_nodes
-from furuta_graph.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
 from furuta_model.parameters import ParameterError, declared
 
 FILE = SOURCES / "furuta_bringup" / "launch" / "furuta.launch.py"

@@ -14,10 +14,10 @@ import pytest
 from ament_index_python.packages import get_package_share_directory
 from sources import PACKAGES, ROOT, SOURCES, imports, modules
 
+from furuta.settings.nodes import NODES
+from furuta.settings.settings import read_file
+from furuta_bringup.graph.processes import executable
 from furuta_bringup.parameter_files import parameter_file
-from furuta_graph.processes import executable
-from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.settings import read_file
 from furuta_model.parameters import declared
 
 # Who may import whom: each package only those further left, siblings in one group not each other.
@@ -141,7 +141,7 @@ def test_rooms_form_no_circle() -> None:
         others = {room_of(each) for each in imported} - {room_of(name), None}
         if room_of(name) is not None:
             rooms.setdefault(room_of(name), set()).update(others)
-    assert {"furuta_identification.fitting", "furuta_recordings.bags"} <= set(rooms)
+    assert {"furuta.identification.fitting", "furuta_recordings.bags"} <= set(rooms)
     assert_no_circle(rooms)
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from furuta.describing_functions.describing_function import (
         describing_function as describing_function,
     )
+    from furuta.identification.axis.identify import identify_axis as identify_axis
     from furuta.limit_cycles.joint import Joint as Joint
     from furuta.limit_cycles.joint import JointCycle as JointCycle
     from furuta.limit_cycles.joint import branch as branch
@@ -64,7 +65,6 @@ if TYPE_CHECKING:
     from furuta.tables import random_rigs as random_rigs
     from furuta.tables import sweep as sweep
     from furuta_hw.rigs.rig import Rig as Rig
-    from furuta_identification.axis.identify import identify_axis as identify_axis
     from furuta_model.friction.law import Law as Law
     from furuta_model.friction.parameters import Friction as Friction
     from furuta_model.linear import DesiredPoles as DesiredPoles

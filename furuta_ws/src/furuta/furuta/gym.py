@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from furuta.loops import make_loop
+from furuta.settings.settings import default_settings
 from furuta.studies.comparison.rigs import JUDGING, TRAINING, RandomRigs
-from furuta_graph.settings.settings import default_settings
 from furuta_model.arguments import check, checked
 from furuta_model.block import block
 from furuta_model.compiled import compiled, inlined

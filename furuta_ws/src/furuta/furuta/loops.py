@@ -81,7 +81,7 @@ def make_loop(
     Raises:
         ParameterError: A name is unknown, a value is not allowed, or a file has an error.
     """
-    from furuta_graph.settings import settings
+    from furuta.settings import settings
 
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)

@@ -29,7 +29,7 @@ from furuta_ros import topic_names
 from furuta_sim.simulation.closed_loop import Record
 
 if TYPE_CHECKING:
-    from furuta_identification.model import Model
+    from furuta.identification.model import Model
 
 
 def read_recording(
@@ -82,8 +82,8 @@ def identify(
     Raises:
         ParameterError: The recordings do not determine a model.
     """
-    from furuta_identification.identify import identify as fit
-    from furuta_identification.options import Options
+    from furuta.identification.identify import identify as fit
+    from furuta.identification.options import Options
 
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
     if not given:
@@ -101,7 +101,7 @@ def identified_values(model: Model) -> dict[str, Any]:
         α, β, γ [V s²/rad], δ [V/rad], friction [V, V s/rad] and ``standard_errors`` by name; None
         where the data do not determine a value, with the reason in ``undetermined``.
     """
-    from furuta_identification.result.report import summary
+    from furuta.identification.result.report import summary
 
     return summary(model)
 

@@ -39,9 +39,9 @@ def sweep(
     Raises:
         ParameterError: A name is unknown, there are too many runs, or none is possible.
     """
+    from furuta.settings.settings import loop_settings
     from furuta.studies.study_tables import columns
     from furuta.studies.sweep import Sweep, SweptParameter, run
-    from furuta_graph.settings.settings import loop_settings
 
     check_seconds(seconds)
     axes = tuple(SweptParameter(name, _values(name, each)) for name, each in values.items())
@@ -55,7 +55,7 @@ def sweep(
 
 def _values(name: str, given: Any) -> tuple[Any, ...]:
     """The values of a parameter, which must exist."""
-    from furuta_graph.settings.parameter_names import parameters_named
+    from furuta.settings.parameter_names import parameters_named
 
     parameters_named(name)
     values = check(f"the values of {name}", given, Iterable)
@@ -88,9 +88,9 @@ def random_rigs(
     Raises:
         ParameterError: There is no such rig or disturbance, or a number is out of its range.
     """
+    from furuta.settings.settings import loop_settings
     from furuta.studies.comparison.rigs import NOMINAL, RandomRigs
     from furuta.studies.study_tables import columns
-    from furuta_graph.settings.settings import loop_settings
     from furuta_hw.rigs.known_rigs import find_uncertain_rig
     from furuta_hw.rigs.uncertainty import CERTAIN
 
@@ -129,12 +129,12 @@ def compare(
     Raises:
         ParameterError: A candidate or a rig is not possible, or a number is out of its range.
     """
+    from furuta.settings.settings import loop_settings
     from furuta.studies.comparison.candidates import STANDARD, candidate_of, parse_candidates
     from furuta.studies.comparison.comparison import Comparison, encoder_resolution
     from furuta.studies.comparison.rigs import RandomRigs
     from furuta.studies.comparison.scores import rank, recommended
     from furuta.studies.study_tables import columns
-    from furuta_graph.settings.settings import loop_settings
 
     check_seconds(seconds)
     loop = checked_loop(loop)
@@ -162,8 +162,8 @@ def _plain(name: str, values: Any) -> dict[str, Any]:
 
 def _rigs_of(table: Mapping[str, Any]) -> list[SimulatedRig]:
     """The rigs of a table, one per row."""
+    from furuta.settings.parameter_names import parameters_in
     from furuta.studies.comparison.rigs import SimulatedRig
-    from furuta_graph.settings.parameter_names import parameters_in
 
     names = [name.removeprefix(_PLANT) for name in table]
     for name in names:

@@ -11,15 +11,15 @@ from typing import Any
 
 from rclpy.node import Node
 
+from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER
+from furuta.settings.recommended import CONTROLLER_NAMES, RECOMMENDED
+from furuta.settings.settings import Settings, settings_with
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta.studies.tuning.plan import observer_parameters
+from furuta_bringup.graph.composed_graph import SimulatedGraph
+from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.parameter_files import settings_file
 from furuta_friction.compensation import ObserverParameters
-from furuta_graph.composed_graph import SimulatedGraph
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.settings.nodes import CONTROLLER, FRICTION_OBSERVER
-from furuta_graph.settings.recommended import CONTROLLER_NAMES, RECOMMENDED
-from furuta_graph.settings.settings import Settings, settings_with
 from furuta_model.parameters import build
 from furuta_recordings.recorder_node import RecorderNode
 

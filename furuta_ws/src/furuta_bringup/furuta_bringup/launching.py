@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from furuta.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
+from furuta.settings.settings import collect_settings
+from furuta_bringup.graph.graph_plan import Graph, GraphOptions, plan_graph
+from furuta_bringup.graph.processes import NodeProcess, node_processes
 from furuta_bringup.parameter_files import settings_file
-from furuta_graph.graph_plan import Graph, GraphOptions, plan_graph
-from furuta_graph.processes import NodeProcess, node_processes
-from furuta_graph.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
-from furuta_graph.settings.settings import collect_settings
 from furuta_hw.rigs.known_rigs import config_directory
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.parameters import ParameterError

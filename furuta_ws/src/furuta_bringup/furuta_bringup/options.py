@@ -83,7 +83,7 @@ def _tell_all(assignments: tuple[str, ...]) -> None:
     """Say after the verb which parameters an assignment has set if its name means several."""
     if sys.exc_info()[0]:
         return  # an error is one line
-    from furuta_graph.settings.parameter_names import parameters_named
+    from furuta.settings.parameter_names import parameters_named
 
     for assignment in assignments:
         matches = parameters_named(assignment.partition("=")[0].strip())

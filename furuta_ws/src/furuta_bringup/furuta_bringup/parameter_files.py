@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import yaml
 
-from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.settings import Settings
+from furuta.settings.nodes import NODES
+from furuta.settings.settings import Settings
 from furuta_model.parameters import Declared, build, declared, values
 
 

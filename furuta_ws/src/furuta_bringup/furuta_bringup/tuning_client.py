@@ -9,9 +9,9 @@ import numpy as np
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from furuta_graph.parameter_client import ParameterClient
-from furuta_graph.services import ServiceError
-from furuta_graph.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
+from furuta.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
+from furuta_bringup.graph.parameter_client import ParameterClient
+from furuta_bringup.graph.services import ServiceError
 from furuta_model.parameters import build, declared, values
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_joint_state

@@ -16,11 +16,11 @@ from furuta.lanes.batch import available_cores
 from furuta.lanes.lanes import compile_stages
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.loops import make_loop
+from furuta.settings.nodes import graph_nodes
 from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.transfer import transfer
 from furuta_bringup.printing import with_progress
-from furuta_graph.settings.nodes import graph_nodes
 from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_model.compilation_notice import share_right
 from furuta_model.friction.parameters import Friction

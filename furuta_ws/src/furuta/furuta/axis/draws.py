@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.axis.axis import NOTHING, Axis, Controller, servo_cycle
-from furuta_identification.axis.effects import FALL
-from furuta_identification.axis.fitting import value_of
-from furuta_identification.axis.identify import AxisFit
+from furuta.identification.axis.effects import FALL
+from furuta.identification.axis.fitting import value_of
+from furuta.identification.axis.identify import AxisFit
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError

@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from furuta.settings.parameter_names import parameters_named
 from furuta.studies.analysis_options import GAINS
-from furuta_graph.settings.parameter_names import parameters_named
 from furuta_ros.whole_files import whole_file
 
 DPI = 110

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from furuta.figures.figure import legend_outside, saved_figure, style_time_series
-from furuta_identification.model import Prediction
+from furuta.identification.model import Prediction
 from furuta_recordings.recording import CHANNELS, UNITS
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import LACKS, ideal_loop, left_out
-from furuta_graph.settings.nodes import PLANT
-from furuta_graph.settings.parameter_names import parameters_named
-from furuta_graph.settings.settings import load_settings, loop
+from furuta.settings.nodes import PLANT
+from furuta.settings.parameter_names import parameters_named
+from furuta.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
 
 # Gains of u = l·x, which have names here although they are no parameters of a node.

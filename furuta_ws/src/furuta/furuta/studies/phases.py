@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.oscillation import measure_oscillation
-from furuta_graph.settings.recommended import RECOMMENDED
+from furuta.settings.recommended import RECOMMENDED
 from furuta_recordings.bags.recorded_loop import RecordedRun
 
 # The phases: the three compensations of the paper, LuGre with tuned parameters, and the recommended

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.lanes.batch import available_cores
+from furuta.settings.settings import Settings, rig_settings
 from furuta_control.control import design_controller
-from furuta_graph.settings.settings import Settings, rig_settings
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.pendulum import FurutaPendulum

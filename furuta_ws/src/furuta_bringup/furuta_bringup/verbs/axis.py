@@ -19,8 +19,8 @@ from furuta_ros.errors import UserError
 
 if TYPE_CHECKING:
     from furuta.axis.axis import Axis, Controller
+    from furuta.identification.axis.identify import AxisFit
     from furuta.limit_cycles.joint import JointCycle
-    from furuta_identification.axis.identify import AxisFit
 
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
@@ -136,14 +136,14 @@ def command(
 
 
 def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
-    from furuta_identification.axis.identify import identify_axis
+    from furuta.identification.axis.identify import identify_axis
     from furuta_recordings.readers import read_axis
 
     return identify_axis([read_axis(each, *columns) for each in records])
 
 
 def _refuse_unusable(fit: AxisFit, force: bool) -> None:
-    from furuta_identification.result.report import UNUSABLE
+    from furuta.identification.result.report import UNUSABLE
 
     if fit.usable == UNUSABLE and not force:
         raise UserError(f"not usable: {'; '.join(fit.reasons)}; --force uses it all the same")

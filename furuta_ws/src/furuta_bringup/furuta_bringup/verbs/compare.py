@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 from click.core import ParameterSource
 
+from furuta.settings.settings import load_settings, loop
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
@@ -27,7 +28,6 @@ from furuta_bringup.options import (
     rig_option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_graph.settings.settings import load_settings, loop
 from furuta_hw.rigs.known_rigs import find_uncertain_rig, rig_file
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError

@@ -51,8 +51,8 @@ def command(
     The graph runs in lock-step in one process and is recorded. Parameter services tune
     the compensator and switch between the compensations.
     """
+    from furuta.settings.settings import load_settings
     from furuta_bringup.printing import print_table
-    from furuta_graph.settings.settings import load_settings
 
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
@@ -105,10 +105,10 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
 
 def _tuned(settings: Any) -> dict[str, Any]:
+    from furuta.settings.settings import loop
     from furuta.studies.tuning.plan import observer_parameters
     from furuta.studies.tuning.tuning import tune_simulated
     from furuta_bringup.demo_run import in_lockstep
-    from furuta_graph.settings.settings import loop
 
     result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
     return observer_parameters(result.after.observer)

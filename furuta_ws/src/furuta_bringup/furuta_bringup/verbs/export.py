@@ -35,7 +35,7 @@ def c(
     """
     from furuta.export.loop_files import loop_files
     from furuta.export.values import DOUBLE, FLOAT
-    from furuta_graph.settings.settings import load_settings, loop
+    from furuta.settings.settings import load_settings, loop
     from furuta_hw.rigs.rig import Rig
     from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
     from furuta_ros.yaml_files import read_yaml

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from furuta.settings.nodes import TRANSITIONS
 from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import (
     HelpfulGroup,
@@ -20,14 +21,13 @@ from furuta_bringup.options import (
     own_parts_option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_graph.settings.nodes import TRANSITIONS
 from furuta_hw.commissioning import RAMP_RATE
 from furuta_hw.errors import RigError
 from furuta_ros.errors import UserError
 from furuta_ros.process_start import interrupt_raised
 
 if TYPE_CHECKING:
-    from furuta_graph.system_client import BridgeClient
+    from furuta_bringup.graph.system_client import BridgeClient
     from furuta_hw.commissioning.session import RigSession
     from furuta_hw.connection.rig_driver import RigSample
 
@@ -216,7 +216,7 @@ def friction(
 
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
-    from furuta_graph.system_client import BridgeClient
+    from furuta_bringup.graph.system_client import BridgeClient
 
     with joined_node("furuta_hw", namespace) as joined:
         yield BridgeClient(*joined)
@@ -279,7 +279,7 @@ def show_rig(name: str, as_json: bool) -> None:
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def emulate(arguments: tuple[str, ...]) -> None:
     """Run an emulated rig on a pseudo-terminal; --help lists its options."""
-    from furuta_graph.processes import executable
+    from furuta_bringup.graph.processes import executable
 
     path = executable("furuta_hw", "rig_emulator")
     os.execv(path, [str(path), *arguments])

@@ -6,10 +6,10 @@ from typing import Any
 
 import click
 
+from furuta.identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
 from furuta_bringup.options import json_option, names_options, option
 from furuta_bringup.printing import escaped, print_json, show
-from furuta_identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_recordings.readers.mapping import NO_COMMAND
@@ -119,9 +119,9 @@ def command(
     from rich.console import Console
     from rich.markup import escape
 
+    from furuta.identification.identify import free_swing_of_files, identify_files
+    from furuta.identification.result.report import UNUSABLE, full_report, report_lines
     from furuta_hw.rigs.known_rigs import find_rig
-    from furuta_identification.identify import free_swing_of_files, identify_files
-    from furuta_identification.result.report import UNUSABLE, full_report, report_lines
 
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
@@ -144,7 +144,7 @@ def command(
         options = options._replace(report=lambda text: stage(escape(escaped(text))))
         model, fitted, held_out = identify_files(paths, validation_paths, names, options)
         if laws:
-            from furuta_identification.fitting.friction_laws import (
+            from furuta.identification.fitting.friction_laws import (
                 compare_laws,
                 simplest_adequate_law,
             )
@@ -162,7 +162,7 @@ def command(
     verdict = result["verdict"]
     usable = verdict["usable"] != UNUSABLE
     if write is not None and usable:
-        from furuta_identification.result.identified_rig import write_rig
+        from furuta.identification.result.identified_rig import write_rig
 
         result["findings"] += write_rig(model, write, given, paths[0], verdict)
         result["rig_file"] = str(write)
@@ -175,7 +175,7 @@ def command(
 
 def _refuse_unusable(verdict: dict[str, Any]) -> None:
     """Raise :class:`UserError` with the reasons if a result is not usable."""
-    from furuta_identification.result.report import UNUSABLE
+    from furuta.identification.result.report import UNUSABLE
 
     if verdict["usable"] == UNUSABLE:
         raise UserError(f"not usable: {'; '.join(verdict['reasons'])}")

@@ -48,8 +48,8 @@ def command(
     gain K.
     """
     from furuta.margins import linear_report, nyquist_report
+    from furuta.settings.settings import load_settings, loop
     from furuta.studies.analysis_options import AnalysisOptions
-    from furuta_graph.settings.settings import load_settings, loop
 
     nyquist = nyquist or figure_4
     if figure_4 and feedback is not None:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from furuta.settings.nodes import NODES
 from furuta_bringup.options import HelpfulGroup, joined_node, json_option, namespace_option
 from furuta_bringup.printing import print_json
-from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError, number_from_text, shortened
 
 if TYPE_CHECKING:
-    from furuta_graph.parameter_client import ParameterClient
+    from furuta_bringup.graph.parameter_client import ParameterClient
 
 
 @click.group(cls=HelpfulGroup)
@@ -38,7 +38,7 @@ node_argument = click.argument("node", callback=_node_name)
 
 @contextmanager
 def _client(namespace: str) -> Iterator[ParameterClient]:
-    from furuta_graph.parameter_client import ParameterClient
+    from furuta_bringup.graph.parameter_client import ParameterClient
 
     with joined_node("furuta_param", namespace) as joined:
         yield ParameterClient(*joined)

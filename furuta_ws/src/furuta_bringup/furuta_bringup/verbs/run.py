@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from furuta.settings.nodes import NODES
+from furuta_bringup.graph.scheduling import Scheduling
 from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
-from furuta_graph.scheduling import Scheduling
-from furuta_graph.settings.nodes import NODES
 from furuta_model.parameters import ParameterError
 
 if TYPE_CHECKING:
-    from furuta_graph.graph_plan import Graph
+    from furuta_bringup.graph.graph_plan import Graph
     from furuta_recordings.recorder_node import MakeRecorder
 
 
@@ -68,9 +68,9 @@ def command(
 
     With --priority or --lock-memory, the command first prints whether the system granted it.
     """
-    from furuta_graph.graph_plan import GraphOptions, plan_graph
-    from furuta_graph.processes import run_processes
-    from furuta_graph.run_composed import run_hardware, run_simulated
+    from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
+    from furuta_bringup.graph.processes import run_processes
+    from furuta_bringup.graph.run_composed import run_hardware, run_simulated
     from furuta_ros.process_end import StopSignal
 
     hardware = plant == "hardware"

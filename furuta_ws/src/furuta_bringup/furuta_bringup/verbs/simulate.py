@@ -57,7 +57,7 @@ def command(
     as_json: bool,
 ) -> None:
     """Simulate the closed loop without ROS and measure the oscillation in the second half."""
-    from furuta_graph.settings.settings import load_settings, loop
+    from furuta.settings.settings import load_settings, loop
     from furuta_model.state import LARGEST_VALUE
     from furuta_sim.simulation.closed_loop import Simulation
 

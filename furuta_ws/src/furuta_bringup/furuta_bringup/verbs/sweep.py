@@ -42,10 +42,10 @@ def command(
     Each run gives the same result as furuta simulate. The table appears when all are done.
     """
     from furuta.lanes.batch import batch
+    from furuta.settings.settings import load_settings
     from furuta.studies.study_tables import check_table, write_runs
     from furuta.studies.sweep import Sweep, outcomes_on_cluster, parse_swept_parameter, run
     from furuta_bringup.printing import with_progress
-    from furuta_graph.settings.settings import load_settings
 
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
     sweep = Sweep(load_settings(files, assignments), swept, seconds)

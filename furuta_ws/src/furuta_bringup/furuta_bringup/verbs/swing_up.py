@@ -33,8 +33,8 @@ def command(
     A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a
     run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
+    from furuta.settings.settings import load_settings, loop
     from furuta.studies import swing_up
-    from furuta_graph.settings.settings import load_settings, loop
     from furuta_hw.rigs.known_rigs import find_rig
 
     given = load_settings(files, assignments, swing_up.swing_up_settings(find_rig(rig)))

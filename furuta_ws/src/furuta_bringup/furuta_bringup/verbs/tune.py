@@ -78,8 +78,8 @@ def command(
     JSON, and the exit status is still 0. On a running graph the result stays active. The initial
     parameters are restored if the motion leaves the guard, or at Ctrl-C.
     """
+    from furuta.settings.settings import load_settings, loop
     from furuta.studies.tuning.tuning import tune_simulated
-    from furuta_graph.settings.settings import load_settings, loop
 
     plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
@@ -111,8 +111,8 @@ def command(
 
 def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
     from furuta.studies.tuning.tuning import tune
+    from furuta_bringup.graph.parameter_client import ParameterClient
     from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
-    from furuta_graph.parameter_client import ParameterClient
     from furuta_ros.process_end import StopSignal
 
     with joined_node("furuta_tune", namespace) as (node, executor):

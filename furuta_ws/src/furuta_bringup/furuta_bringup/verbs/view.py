@@ -6,8 +6,8 @@ import sys
 
 import click
 
+from furuta_bringup.graph.scheduling import may_have_priority
 from furuta_bringup.options import namespace_option, option, own_parts_option
-from furuta_graph.scheduling import may_have_priority
 from furuta_model.accepted_parts import accepted_parts
 
 # How far the page stands back for the loop when both want a core.
@@ -41,12 +41,12 @@ def command(
         raise click.UsageError("--attach starts no graph: omit the options of furuta run")
     if attach:
         os.nice(NICENESS)  # before any thread starts: each has its own
-        from furuta_view.live_page import run_page
-        from furuta_view.server import PageServer
+        from furuta_bringup.page.live_page import run_page
+        from furuta_bringup.page.server import PageServer
 
         run_page(PageServer(port), namespace, opens=not no_open)
         return
-    from furuta_graph.processes import executable
+    from furuta_bringup.graph.processes import executable
     from furuta_ros.process_start import child_environment
 
     furuta = str(executable("furuta_bringup", "furuta"))

@@ -7,10 +7,10 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
+from furuta.settings.parameter_names import Match, parameters_named
+from furuta.settings.recommended import RECOMMENDED, recommended_values
+from furuta.settings.settings import Settings, default_settings, load_settings, merge_settings
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_graph.settings.parameter_names import Match, parameters_named
-from furuta_graph.settings.recommended import RECOMMENDED, recommended_values
-from furuta_graph.settings.settings import Settings, default_settings, load_settings, merge_settings
 from furuta_model.parameters import ParameterError
 from furuta_ros.yaml_files import parse_yaml
 

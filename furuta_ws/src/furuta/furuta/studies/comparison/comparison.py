@@ -10,9 +10,9 @@ import numpy as np
 
 from furuta.lanes.batch import batch
 from furuta.outcomes import Outcome, outcome
+from furuta.settings.settings import Settings, loop
 from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
-from furuta_graph.settings.settings import Settings, loop
 from furuta_model.parameters import ParameterError, validated
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.plant_memory import MAX_DELAY

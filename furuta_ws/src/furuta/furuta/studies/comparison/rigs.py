@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta_graph.settings.nodes import NODES
-from furuta_graph.settings.settings import Settings, loop
+from furuta.settings.nodes import NODES
+from furuta.settings.settings import Settings, loop
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.uncertainty import CERTAIN, Uncertainty, changed_rig
 from furuta_model.friction.laws import LAWS

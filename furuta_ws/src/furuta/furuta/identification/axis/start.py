@@ -1,0 +1,96 @@
+"""First values of an axis by regression on smoothed positions."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from furuta.identification.axis.motion import AxisModel
+from furuta.identification.axis.segments import Smoothed, smoothed
+from furuta_model.parameters import ParameterError
+from furuta_recordings.recording import Recording
+
+# Delays [s] that are tried, and parts of the largest speed above which the axis surely slides.
+DELAYS = np.arange(0.0, 0.0301, 0.002)
+SLIDES = 0.05
+# Smoothing times that are tried, relative to the one for the first states.
+WINDOWS = (1.0, 4.0)
+
+
+def first_models(
+    recordings: Sequence[Recording], even: Sequence[Smoothed], gravity: bool
+) -> Iterator[AxisModel]:
+    """First models, one for each smoothing time in which the torque accelerates the axis.
+
+    ``even`` are the recordings, smoothed for the first states.
+
+    Raises:
+        ParameterError: There is none.
+    """
+    found = False
+    for factor in WINDOWS:
+        pairs = zip(recordings, even, strict=True)
+        model = _regression([smoothed(r, factor * each.window) for r, each in pairs], gravity)
+        if model.inertia > 0.0:
+            found = True
+            yield model
+    if not found:
+        raise ParameterError(
+            f"{recordings[0].name}: the torque does not accelerate the axis; change its sign, or "
+            "record a motion that accelerates"
+        )
+
+
+def _regression(parts: list[Smoothed], gravity: bool) -> AxisModel:
+    """The model of the delay that explains the torque best."""
+    fits = [(*_at_delay(parts, gravity, delay), delay) for delay in DELAYS]
+    _, values, delay = min(fits, key=lambda each: each[0])
+    inertia, level, viscous, spring, sine, cosine = values[:6]
+    return AxisModel(
+        inertia,
+        max(level, 1e-3 * _size(parts)),
+        max(viscous, 0.0),
+        float(delay),
+        sine,
+        cosine,
+        spring,
+        0.0,
+        1.0,
+        0.0,
+        0.0,
+        0.0,
+        0.0,
+        np.array(values[6:]),
+        np.zeros((0, 3)),
+    )
+
+
+def _size(parts: list[Smoothed]) -> float:
+    """Root mean square of the torque."""
+    return float(np.sqrt(np.mean(np.concatenate([part.torque for part in parts]) ** 2)))
+
+
+def _at_delay(parts: list[Smoothed], gravity: bool, delay: float) -> tuple[float, np.ndarray]:
+    """Sum of squares and coefficients of the torque, where the axis slides."""
+    rows, torques = [], []
+    fastest = max(float(np.max(np.abs(part.speed))) for part in parts)
+    for number, part in enumerate(parts):
+        late = np.interp(part.time - delay, part.time, part.torque)
+        slides = np.abs(part.speed) > SLIDES * fastest
+        q, ones = part.position, np.zeros((len(part.time), len(parts)))
+        ones[:, number] = 1.0
+        rows.append(
+            np.column_stack(
+                [
+                    part.acceleration,
+                    np.sign(part.speed),
+                    part.speed,
+                    q,
+                    *((np.sin(q), np.cos(q)) if gravity else (0.0 * q, 0.0 * q)),
+                    ones,
+                ]
+            )[slides]
+        )
+        torques.append(late[slides])
+    matrix, torque = np.concatenate(rows), np.concatenate(torques)
+    values, *_ = np.linalg.lstsq(matrix, torque, rcond=1e-6)
+    return float(np.sum((torque - matrix @ values) ** 2)), values

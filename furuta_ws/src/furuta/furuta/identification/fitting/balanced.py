@@ -1,0 +1,70 @@
+"""Fits a pendulum that was balanced upright: short segments, with the friction of the bristle."""
+
+import numpy as np
+
+from furuta.identification.errors import noise_of
+from furuta.identification.model import Model
+from furuta.identification.options import Options
+from furuta.identification.shooting.optimisation import FINE, optimise
+from furuta.identification.shooting.unknowns import BODY, LUGRE, ParameterValues
+from furuta.identification.uncertainty.covariance import covariance_and_information
+from furuta_model.state import PHI, THETA
+from furuta_recordings.recording import Recording
+
+# Length of a segment [s]: short compared with the unstable pole, long compared with noise.
+SEGMENT = 0.5
+# Arm travel [rad] from which the effect of a tilted base is visible.
+SMALLEST_TRAVEL = 1.0
+# Sampling itself can look like a lag of so many samples; a longer one is fitted.
+SAMPLES_OF_LAG = 3.0
+# Standard errors, and sampling intervals, from which a delay is significant.
+DELAY_ERRORS, DELAY_SAMPLES = 3.0, 0.5
+# Largest pendulum angle [rad] of a pendulum that was balanced.
+LARGEST_ANGLE = 0.7
+
+
+def is_balanced(recording: Recording) -> bool:
+    """Whether the pendulum stays near upright."""
+    return bool(np.max(np.abs(recording.measured[:, THETA])) < LARGEST_ANGLE)
+
+
+def fit_balanced(
+    recordings: list[Recording],
+    start: ParameterValues,
+    findings: list[str],
+    options: Options,
+) -> Model:
+    """Fit segments whose initial states are unknown, growing in length and number of unknowns."""
+    window = options.window or SEGMENT
+    scale = np.median([noise_of(recording) for recording in recordings], axis=0)
+    names, values = _first_unknowns(recordings, start)
+    options.report("fitting segments of a balanced pendulum")
+    values = optimise(recordings, names, values, 0.2 * window, scale, False).values
+    names += LUGRE
+    values = optimise(recordings, names, values, 0.5 * window, scale, False).values
+    names.append("delay")
+    optimum = optimise(recordings, names, values, window, scale, False)
+    values = optimum.values
+    error = np.sqrt(covariance_and_information(optimum, {})[0][-1, -1])
+    if abs(values["delay"]) < max(DELAY_ERRORS * error, DELAY_SAMPLES * recordings[0].interval):
+        milliseconds = values["delay"] * 1e3
+        findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
+        names.remove("delay")
+        values = values.changed(["delay"], [0.0])
+    optimum = optimise(recordings, names, values, window, scale, False, FINE)
+    certainty = covariance_and_information(optimum, {})
+    return Model(optimum.values, names, *certainty, window, scale, recordings, findings)
+
+
+def _first_unknowns(
+    recordings: list[Recording], start: ParameterValues
+) -> tuple[list[str], ParameterValues]:
+    """Unknowns of the first fit and their values; lag and tilt only where they are visible."""
+    names = [*BODY, "viscous", "coulomb", "asymmetry", "zero"]
+    if start["lag"] > SAMPLES_OF_LAG * recordings[0].interval:
+        names.append("lag")
+    else:
+        start = start.changed(["lag"], [0.0])
+    if all(np.ptp(r.measured[:, PHI]) > SMALLEST_TRAVEL for r in recordings):
+        names += ["tilt_x", "tilt_y"]
+    return names, start

@@ -1,0 +1,172 @@
+"""Makes a rig from a fitted model: plant, friction, delay, tilt, waves, poles and uncertainty."""
+
+from math import isfinite, pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from furuta.identification.model import Model
+from furuta.identification.result.pole_choice import quadratic_poles
+from furuta.identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
+from furuta.identification.uncertainty.identifiability import undetermined
+from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
+from furuta_hw.rigs.rig import Rig, RigLine
+from furuta_hw.rigs.rig_file import load_rig, rig_file_text
+from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError, build
+from furuta_model.parts.disturbances import Tilt, TorqueWaves
+from furuta_model.parts.motion import PendulumFriction
+from furuta_model.sensors import Sensors
+from furuta_recordings.bags.bag import parameter_file_of
+from furuta_recordings.recording import Recording
+from furuta_ros.parameter_files import read_sections
+from furuta_ros.whole_files import whole_file
+
+# Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
+BALANCING_LIMIT = 0.75
+# Names in rig files of unknowns that are named differently in a fit.
+RIG_NAMES = {"coulomb": "alpha0"}
+# Counts per turn of an encoder that stands for ideal sensors.
+MOST_COUNTS = 200_000
+# Sample times are whole multiples of this [s].
+TIME_STEP = 1e-4
+
+
+def identified_rig(model: Model, base: Rig) -> tuple[Rig, Uncertainty]:
+    """The rig ``base``, which has the sensors, the line and the limits, with the fitted model."""
+    values, drive = model.values, base.drive
+    friction = _friction(model)
+    angle = base.limits.pendulum_angle
+    limits = base.limits._replace(
+        voltage=min(base.limits.voltage, values["ceiling"]),
+        pendulum_angle=BALANCING_LIMIT if angle > pi / 2 else angle,
+    )
+    rig = base._replace(
+        model=values.body,
+        friction=friction,
+        pendulum_friction=PendulumFriction(
+            _allowed("pendulum_viscous", values["pendulum_viscous"]),
+            _allowed("pendulum_coulomb", values["pendulum_coulomb"]),
+        ),
+        drive=drive._replace(
+            delay=_allowed("delay", values["delay"] + model.command_delay),
+            sign=-drive.sign if model.command_negated else drive.sign,
+        ),
+        tilt=Tilt(values["tilt_x"], values["tilt_y"]),
+        waves=_waves(model),
+        limits=limits,
+        poles=quadratic_poles(values.body, friction.viscous, limits.voltage),
+    )
+    return rig, _uncertainty(model, (*NAMES, *wave_values(rig.waves)))
+
+
+def _allowed(name: str, value: float) -> float:
+    low, high = ABSOLUTE[name]
+    return min(max(value, low), high)
+
+
+def _friction(model: Model) -> Friction:
+    """The arm's friction; what the data do not determine keeps the value of the paper's rig.
+
+    Stiction and asymmetry that were not measured are not compensated, and viscous friction is never
+    negative.
+    """
+    reasons = undetermined(model)
+    friction = model.values.friction
+    withheld: dict[str, Any] = {
+        name: getattr(Friction(), name) for name in LUGRE if name in reasons
+    }
+    withheld |= {name: 0.0 for name in ("alpha1", "asymmetry") if name in reasons}
+    return friction._replace(viscous=max(0.0, friction.viscous), **withheld)
+
+
+def _waves(model: Model) -> TorqueWaves:
+    waves = model.values.waves
+    if not len(waves):
+        return TorqueWaves()
+    return TorqueWaves(*(tuple(map(float, column)) for column in waves.T))
+
+
+def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
+    """The covariance of the fit; unknowns that were not fitted have their prior's spread.
+
+    ``known`` are the names that a rig file can have.
+    """
+    fitted = [RIG_NAMES.get(name, name) for name in model.names]
+    chosen = [index for index, name in enumerate(fitted) if name in known]
+    spreads = {
+        RIG_NAMES.get(name, name): assumed_spread(name)
+        for name, about in UNKNOWNS.items()
+        if name not in model.names and isfinite(about.spread)
+    }
+    friction = [name for name in spreads if name in Friction._fields]
+    covariance = block_diag(
+        model.covariance[np.ix_(chosen, chosen)], np.diag([spreads[n] ** 2 for n in friction])
+    )
+    return Uncertainty((*(fitted[index] for index in chosen), *friction), covariance)
+
+
+def write_rig(
+    model: Model, file: Path, given: Rig | None, source: Path, verdict: dict[str, Any]
+) -> list[str]:
+    """Write the rig file with sensors, line and limits of the ``given`` rig.
+
+    Without one they are those of the recording at ``source``. The file says what the ``verdict``
+    on the model is. Returns where sensors, line and limits come from.
+    """
+    findings = []
+    if given is None:
+        given, origin = _recorded_rig(source, model.recordings[0])
+        findings = [f"{model.recordings[0].name}: {origin}"]
+    rig, uncertainty = identified_rig(model, given)
+    comments = [
+        "Identified from recordings; load with --rig.",
+        "; ".join([f"Usable: {verdict['usable']}", *verdict["reasons"]]),
+        *findings,
+        *(f"{name}: not determined: {reason}" for name, reason in undetermined(model).items()),
+    ]
+    with whole_file(file) as new:
+        new.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
+    return findings
+
+
+def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig, str]:
+    """Sensors, sample time and drive of the rig of a recording, and where they come from.
+
+    They are those of the parameters that are stored in our own bags, else the paper's.
+    """
+    try:
+        parameters = parameter_file_of(path)
+        given = read_sections(parameters) if parameters else []
+        sections = {section.key: section.parameters for section in given}
+        file = sections["hardware_bridge"]["rig"]
+        if not file:
+            return _rig_of_plant(sections["plant"]), "sensors and drive according to the bag"
+        return load_rig(Path(file)), f"sensors, line and limits of {file} (according to the bag)"
+    except (ParameterError, KeyError, TypeError, AttributeError, OSError):
+        time = max(TIME_STEP, round(round(recording.interval / TIME_STEP) * TIME_STEP, 9))
+        return Rig(line=RigLine(sample_time=time)), (
+            "sensors are not known: those of the paper's rig are written; name the rig's own with "
+            "--rig, or edit the file"
+        )
+
+
+def _rig_of_plant(plant: dict[str, Any]) -> Rig:
+    """A rig with the sensors and the drive of a simulated plant."""
+    sensors: Sensors = build(Sensors, plant, "sensors.")
+
+    def bits(given: float) -> int:
+        return min(max(int(given), 2), 16)
+
+    return Rig(
+        arm=ArmEncoder(int(sensors.encoder_counts) or MOST_COUNTS),
+        speed=SpeedSensor(range=sensors.tachometer_range, bits=bits(sensors.tachometer_bits)),
+        pendulum=PendulumSensor(
+            range=sensors.potentiometer_range, bits=bits(sensors.potentiometer_bits)
+        ),
+        drive=DriveConverter(plant["actuator.voltage_range"], bits(plant["actuator.bits"])),
+        line=RigLine(sample_time=plant["sample_time"]),
+    )

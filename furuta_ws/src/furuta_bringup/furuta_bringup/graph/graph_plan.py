@@ -1,0 +1,107 @@
+"""Which graph to start: its nodes, their parameters and its namespace.
+
+The command line and the launch file both make their graph here, so that both start the same one.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from furuta.settings.nodes import (
+    ESTIMATOR,
+    HARDWARE_BRIDGE,
+    PLANT,
+    NodeDescription,
+    graph_nodes,
+)
+from furuta.settings.settings import (
+    Settings,
+    collect_settings,
+    default_settings,
+    load_settings,
+    merge_settings,
+    parameters_of,
+    rig_settings,
+)
+from furuta_hw.rigs.known_rigs import find_rig, rig_file
+from furuta_hw.rigs.rig import Rig
+from furuta_model.parameters import ParameterError, build, values
+from furuta_ros.topic_names import full_namespace
+
+
+class GraphOptions(NamedTuple):
+    """What a user chooses besides parameters; an empty value leaves the choice to them."""
+
+    hardware: bool = False  # a real rig instead of the simulated plant
+    rig: str = ""  # name or file
+    port: str = ""
+    read_only: bool = False  # never drive the rig
+    clock: str = ""  # of the simulated plant
+    without: tuple[str, ...] = ()  # nodes to leave out
+    namespace: str = ""
+
+
+class Graph(NamedTuple):
+    """A graph to start: its controlled system, the nodes that are left out, all parameters."""
+
+    controlled: str
+    without: tuple[str, ...]
+    settings: Settings
+    namespace: str = ""
+
+    @property
+    def nodes(self) -> tuple[NodeDescription, ...]:
+        """The nodes to start; the controlled system is the first."""
+        return graph_nodes(self.controlled, self.without)
+
+    def parameters(self, node: NodeDescription) -> dict[str, Any]:
+        """All parameters of a node by name."""
+        return values(build(node.parameters, self.settings[node.name]))
+
+
+def plan_graph(
+    options: GraphOptions,
+    files: Iterable[Path] = (),
+    assignments: Iterable[str] = (),
+    base: Settings | None = None,
+) -> Graph:
+    """The graph that the options, parameter files and assignments describe.
+
+    The rig determines model, friction, sensors, sample time and limits of every node. It takes
+    precedence over ``base``; parameter files and assignments take precedence over the rig.
+
+    Raises:
+        ParameterError: A parameter or an option is wrong, or the nodes do not fit together.
+    """
+    files, assignments = list(files), list(assignments)
+    controlled = HARDWARE_BRIDGE if options.hardware else PLANT
+    graph_nodes(controlled, options.without)  # raises an error for a wrong name
+    namespace = full_namespace(options.namespace)
+    name = options.rig
+    if options.hardware and not name:
+        given = collect_settings(files, assignments, base, namespace)
+        name = given[HARDWARE_BRIDGE].get("rig", "")
+    rig = find_rig(name) if name else Rig()
+    if name:
+        base = merge_settings(base or default_settings(), rig_settings(rig))
+    settings = load_settings(files, assignments, base, namespace)
+    if options.hardware:
+        settings[HARDWARE_BRIDGE] |= _bridge_settings(options, name)
+        of_rig, of_nodes = rig.line.sample_time, parameters_of(settings)[ESTIMATOR].sample_time
+        if of_rig != of_nodes:
+            raise ParameterError(
+                f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
+            )
+    elif options.clock:
+        settings[PLANT]["clock"] = options.clock
+    return Graph(controlled, options.without, settings, namespace)
+
+
+def _bridge_settings(options: GraphOptions, rig: str) -> dict[str, Any]:
+    """The bridge connects by itself; it is armed by hand."""
+    chosen: dict[str, Any] = {
+        "autostart": "inactive" if options.read_only else "active",
+        "read_only": options.read_only,
+    }
+    chosen |= {"port": options.port} if options.port else {}
+    return chosen | ({"rig": str(rig_file(rig))} if rig else {})

@@ -1,0 +1,125 @@
+"""Running the composed graph until it is stopped, with a report at the end."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import monotonic
+from typing import TypeVar
+
+from furuta_bringup.graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
+from furuta_bringup.graph.graph_plan import Graph
+from furuta_bringup.graph.scheduling import Scheduling, apply_scheduling
+from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_recordings.recorder_node import MakeRecorder
+from furuta_ros.context import ros_context
+from furuta_ros.errors import UserError
+from furuta_ros.process_end import StopSignal, bounded_end
+from furuta_ros.spinning import spin_until
+from furuta_sim.plant_node import PlantNode
+from furuta_sim.realtime import RealTime
+
+# Time without a sample after which a run of limited time ends [s]: it is counted in samples.
+LONGEST_SILENCE = 10.0
+
+AnyGraph = TypeVar("AnyGraph", bound=ComposedGraph)
+
+
+def run_simulated(
+    graph: Graph,
+    record: MakeRecorder | None,
+    seconds: float | None,
+    scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
+) -> None:
+    """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed."""
+    with _running(SimulatedGraph, graph, record, scheduling) as running:
+        stop, plant = StopSignal(), running.plant
+        spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
+        _report(plant)
+
+
+def run_hardware(
+    graph: Graph,
+    record: MakeRecorder | None,
+    seconds: float | None,
+    scheduling: Scheduling = Scheduling(),  # noqa: B008 - immutable
+) -> None:
+    """Run the graph with a rig until it is stopped or ``seconds`` of its time have passed.
+
+    Raises:
+        UserError: The rig was silent for :data:`LONGEST_SILENCE` in a run of limited time.
+    """
+    with _running(HardwareGraph, graph, record, scheduling) as running:
+        stop, bridge = StopSignal(), running.bridge
+        if bridge.start_up():
+            raise SystemExit(1)  # the bridge has logged the reason
+        is_over = _time_limit(bridge, seconds)
+        option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
+        print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
+        spin_until(running.executor, lambda: stop() or is_over())
+        print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
+
+
+def _time_limit(bridge: HardwareBridgeNode, seconds: float | None) -> Callable[[], bool]:
+    """Whether ``seconds`` of the rig's time have passed, if given; to be called often.
+
+    Raises:
+        UserError: The rig was silent for :data:`LONGEST_SILENCE`.
+    """
+    samples, since = bridge.samples, monotonic()
+
+    def is_reached() -> bool:
+        nonlocal samples, since
+        if seconds is None:
+            return False
+        if samples != bridge.samples:
+            samples, since = bridge.samples, monotonic()
+        elapsed = samples * bridge.rig.line.sample_time
+        if monotonic() - since > LONGEST_SILENCE:
+            raise UserError(
+                f"the rig has sent no sample for {LONGEST_SILENCE:g} s, after {elapsed:.3f} s of "
+                f"the {seconds:g} s asked for"
+            )
+        return elapsed >= seconds
+
+    return is_reached
+
+
+@contextmanager
+def _running(
+    make: Callable[..., AnyGraph],
+    graph: Graph,
+    record: MakeRecorder | None,
+    scheduling: Scheduling,
+) -> Iterator[AnyGraph]:
+    """The composed graph from ROS's start to its end; prints the results of ``scheduling``.
+
+    Raises:
+        UserError: The recording ended before the graph.
+    """
+    for result in apply_scheduling(scheduling):
+        print(result)
+    with ros_context(namespace=graph.namespace):
+        composed = make(graph.settings, record=record, without=graph.without)
+        try:
+            yield composed
+        finally:
+            composed.end_recording()
+            failed = composed.recording_failure is not None or sys.exc_info()[0] is not None
+            with bounded_end(int(failed)):
+                composed.close()
+    if composed.recording_failure is not None:
+        raise UserError(f"the recording is incomplete: {composed.recording_failure}")
+
+
+def _report(plant: PlantNode) -> None:
+    print(f"{plant.sample} samples, {plant.time:.3f} s")
+    if isinstance(plant.pacing, RealTime):
+        count = plant.pacing.timing_counts
+        share = count.on_time / max(1, count.samples)
+        print(
+            f"{share:.2%} of {count.samples} samples had their command before the next one; "
+            f"{count.overruns} overruns, {count.timeouts} samples at 0 V because the command was "
+            "too old"
+        )
+        print(f"latency   {plant.pacing.latency.summary()}")
+        print(f"lateness  {plant.pacing.lateness.summary()}")

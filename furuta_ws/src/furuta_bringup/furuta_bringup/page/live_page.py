@@ -1,0 +1,205 @@
+"""The page over a running graph: collects, draws and passes on what the user changes."""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import partial
+from itertools import count
+from time import monotonic, sleep
+
+import numpy as np
+
+from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
+from furuta_bringup.page.charts import SECONDS, Charts
+from furuta_bringup.page.exact_cycle import (
+    analysed_loop,
+    cycle_size,
+    encoder_counts,
+    exact_cycle,
+    model_of,
+    predicted_size,
+)
+from furuta_bringup.page.figures import figures, late_samples
+from furuta_bringup.page.graph_link import END_TIMEOUT, GraphLink
+from furuta_bringup.page.guide import Guide, motion_text
+from furuta_bringup.page.live_node import LiveNode
+from furuta_bringup.page.page_layout import ALARM, Layout, Note, status_html
+from furuta_bringup.page.parameters_on_page import ParametersOnPage
+from furuta_bringup.page.rig_controls import RigControls
+from furuta_bringup.page.samples import THETA, TIME
+from furuta_bringup.page.scene import Scene
+from furuta_bringup.page.server import PageServer
+from furuta_bringup.page.simulation_controls import (
+    FOREVER,
+    FallNotice,
+    SimulationControls,
+    has_fallen,
+)
+from furuta_description.robot_description import robot_description
+from furuta_model.pendulum import FurutaPendulum
+from furuta_ros.context import ros_context, tell_graph
+from furuta_ros.process_end import StopSignal, bounded_end
+
+# Time between two drawings [s]; every how many of them the charts are drawn, the status is updated,
+# and nodes are searched for.
+PERIOD = 1.0 / 30.0
+CHARTS_EVERY, STATUS_EVERY, SEARCH_EVERY = 3, 15, 30
+
+
+def run_page(server: PageServer, namespace: str, opens: bool) -> None:
+    """Print the address, open the browser where there is one, and draw until Ctrl-C."""
+    stop = StopSignal()
+    server.announce(opens)
+    with ExitStack() as ros:
+        ros.enter_context(ros_context(namespace=namespace))
+        tell_graph(namespace)
+        page = LivePage(server)
+        try:
+            page.run(stop)
+        finally:
+            page.close()
+        server.stop()
+        with bounded_end(0):
+            ros.close()
+
+
+class LivePage:
+    """Everything on the page. :meth:`run` draws until it is told to stop."""
+
+    def __init__(self, server: PageServer) -> None:
+        self._server, gui = server, server.gui
+        self._link = GraphLink()
+        self._layout = Layout(server)
+        with self._layout.controls:
+            note = Note(gui, 90.0)
+            self._simulation = SimulationControls(server, self._link, note)
+        self._fall = FallNotice(gui, self._simulation.reset)
+        self._warning = Note(gui, 0.5, "warning")
+        self._guide = Guide(
+            gui, self._link, lambda: self._parameters.values, self._simulation.run_in_real_time
+        )
+        self._parameters = ParametersOnPage(
+            gui, self._link, self._layout.main, self._layout.parameters
+        )
+        self._node = LiveNode(self._parameters.received)
+        with self._layout.charts:
+            self._charts = Charts(server)
+        self._scene = Scene(server)
+        self._rig: RigControls | None = None
+        self._drawn_model: FurutaPendulum | None = None
+        self._analysed: IdealLoop | None = None
+        self._predicted: list[tuple[str, str]] = []
+        self._start = 0.0
+
+    def run(self, stop: Callable[[], bool]) -> None:
+        """Draw until ``stop()``."""
+        due = monotonic()
+        for number in count():
+            if stop():
+                return
+            self._draw(number)
+            due = max(due + PERIOD, monotonic())
+            sleep(max(0.0, due - monotonic()))
+
+    def close(self) -> None:
+        """End what the page has begun; a plant that it holds continues."""
+        self._guide.leave()
+        if self._lockstep and self._simulation.pacer.speed is not None:
+            self._set_run_until(FOREVER)
+            self._link.pacing.finish(END_TIMEOUT)
+        self._link.requests.finish(END_TIMEOUT)
+        self._link.close()
+
+    @property
+    def _lockstep(self) -> bool:
+        return bool(self._parameters.values.get(PLANT, {}).get("clock") == "lockstep")
+
+    def _draw(self, number: int) -> None:
+        self._node.collect()
+        newest = self._node.samples.last(SECONDS)
+        time = float(newest[-1, TIME]) if len(newest) else None
+        if number % SEARCH_EVERY == 0:
+            self._node.choose_topics()
+            self._link.search.submit("search", self._parameters.find_nodes)
+        self._pace(time or 0.0)  # a plant that was left paused, and sends nothing, continues
+        if time is not None and self._server.get_clients():
+            self._scene.move(newest[-1])
+            if number % CHARTS_EVERY == 0:
+                self._charts.draw(newest)
+        if number % STATUS_EVERY == 0:
+            self._update_model()
+            self._update_rig()
+            self._update_status(newest, time)
+
+    def _update_status(self, newest: np.ndarray, time: float | None) -> None:
+        if time is None:
+            self._layout.status.content = status_html("waiting for a running graph", [])
+            return
+        values = self._parameters.values
+        rows = figures(newest, encoder_counts(values)).rows()
+        if self._guide.position is not None:  # whose table has them
+            rows = []
+        if self._parameters.silent:
+            rows.append(("does not answer, is asked again", ", ".join(self._parameters.silent)))
+        self._warning.tell("; ".join(self._node.warnings.values()), ALARM)
+        fallen = has_fallen(float(newest[-1, THETA]), values)
+        self._fall.show(fallen, values)
+        self._guide.update(newest, fallen, self._predicted)
+        if self._lockstep:
+            title = "lock-step"
+        else:
+            title = "rig" if self._rig else "simulated"
+            rows.append(("late samples", late_samples(self._node.timing, self._node.status)))
+        self._layout.status.content = status_html(f"{title}, t = {self._seconds(time):.1f} s", rows)
+
+    def _seconds(self, time: float) -> float:
+        """Time since the start [s]; in real time since the first sample on the page."""
+        if time < FOREVER:  # lock-step counts from 0, and never so far
+            return time
+        self._start = self._start or time
+        return time - self._start
+
+    def _update_rig(self) -> None:
+        values = self._parameters.values
+        self._simulation.show_pacing(self._lockstep)
+        self._layout.controls.visible = PLANT in values or not values
+        # As soon as the bridge is known: its parameters come later, and the rig may be armed.
+        if HARDWARE_BRIDGE in self._parameters.running and self._rig is None:
+            self._rig = RigControls(self._server, self._link)
+        if self._rig is not None:
+            self._rig.show(self._node.status, monotonic() - self._node.status_time)
+
+    def _pace(self, plant_time: float) -> None:
+        """In lock-step, let the plant run as far as the user wishes."""
+        if self._lockstep:
+            until = self._simulation.pacer.run_until(monotonic(), plant_time)
+            if until != self._parameters.values.get(PLANT, {}).get("run_until"):
+                self._set_run_until(until)
+
+    def _set_run_until(self, until: float) -> None:
+        work = partial(self._link.parameters.set_all, PLANT, {"run_until": until})
+        self._link.pacing.submit("pace", work)
+
+    def _update_model(self) -> None:
+        """Draw the pendulum at its lengths, and the cycle of its parameters, once known."""
+        values = self._parameters.values
+        if not values:
+            return
+        model = model_of(values)
+        if model != self._drawn_model:
+            self._scene.show(robot_description(model.arm_length, model.pendulum_length))
+            self._drawn_model = model
+        loop = analysed_loop(values)
+        if loop != self._analysed:
+            self._analysed = loop
+            self._link.computation.submit("cycle", partial(self._compute_cycle, loop))
+
+    def _compute_cycle(self, loop: IdealLoop | None) -> None:
+        cycle = self._charts.cycle = exact_cycle(loop) if loop else None
+        found = {
+            "exact, uncompensated": cycle_size(cycle),
+            "describing function": predicted_size(loop) if loop else None,
+        }
+        self._predicted = [
+            (name, motion_text(*size) if size else "no cycle") for name, size in found.items()
+        ]

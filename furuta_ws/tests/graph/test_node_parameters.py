@@ -1,0 +1,72 @@
+"""Parameters of all nodes, through ROS."""
+
+from typing import Any
+
+import pytest
+from rclpy.parameter import Parameter
+from testbench import Bench
+
+from furuta.settings.nodes import NODES
+from furuta_bringup.graph.parameter_client import ParameterClient
+from furuta_bringup.graph.services import ServiceError
+from furuta_control.estimator_node import EstimatorNode
+from furuta_friction.friction_observer_node import FrictionObserverNode
+from furuta_model.parameters import declared
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_every_parameter_is_described(bench: Bench, name: str) -> None:
+    """Each has its meaning, unit and range in its descriptor, and its default as value."""
+    bench.add(NODES[name].load_class()())
+    client = ParameterClient(bench.probe, bench.executor)
+    expected = {parameter.name: parameter for parameter in declared(NODES[name].parameters)}
+    assert set(expected) <= set(client.names(name))
+    values = client.get(name, list(expected))
+    for descriptor in client.describe(name, list(expected)):
+        parameter = expected[descriptor.name]
+        assert parameter.about.meaning in descriptor.description
+        assert parameter.about.unit in descriptor.description
+        assert descriptor.read_only == parameter.about.read_only
+        assert parameter.checked(values[parameter.name]) == parameter.default
+
+
+@pytest.mark.parametrize(
+    ("values", "reason"),
+    [
+        ({"compensation": "magic"}, "none, coulomb, stiction, lugre, adaptive"),
+        ({"sample_time": 0.01}, "read-only"),
+        ({"alpha0": 0.5, "sigma0": -1.0}, "sigma0"),
+    ],
+)
+def test_bad_change_is_rejected_as_a_whole(
+    bench: Bench, values: dict[str, Any], reason: str
+) -> None:
+    """The reason names the parameter, and nothing has changed, not even the valid part."""
+    node = bench.add(FrictionObserverNode())
+    before = node.parameters
+    client = ParameterClient(bench.probe, bench.executor)
+    with pytest.raises(ServiceError, match=reason):
+        client.set_all("friction_observer", values)
+    assert node.parameters == before
+    assert client.get("friction_observer", ["alpha0"])["alpha0"] == before.friction.alpha0
+
+
+def test_parameter_without_a_name_is_rejected(ros: None) -> None:
+    """It would otherwise be declared."""
+    node = EstimatorNode()
+    result = node.set_parameters_atomically([Parameter("", value=1.0)])
+    assert not result.successful
+    assert "no name" in result.reason
+    node.destroy_node()
+
+
+def test_a_rig_without_a_filter_is_refused(bench: Bench) -> None:
+    """Where no Kalman filter can be computed, the service says so and nothing changes."""
+    node = bench.add(EstimatorNode())
+    before = node.parameters
+    body = {"alpha": 1e-6, "beta": 1e-9, "gamma": 1e-9, "delta": 1.0}
+    changes = [Parameter(f"model.{name}", value=value) for name, value in body.items()]
+    result = node.set_parameters_atomically(changes)
+    assert not result.successful
+    assert "no Kalman filter" in result.reason
+    assert node.parameters == before

@@ -1,0 +1,226 @@
+"""The model of a swinging pendulum: truth, standard errors, verdict, predictions, rig."""
+
+import numpy as np
+import pytest
+from random_rigs import EXAMPLE, Readings, example, record
+from sources import RECORDINGS
+
+from furuta.identification.identify import identify, identify_files, validate
+from furuta.identification.model import Model, Prediction
+from furuta.identification.options import Options
+from furuta.identification.regression.windows import coloured_part
+from furuta.identification.result.identified_rig import identified_rig, quadratic_poles
+from furuta.identification.result.report import standard_errors, summary, verdict
+from furuta.identification.shooting.optimisation import fit_percent
+from furuta.identification.shooting.unknowns import wave_names
+from furuta.identification.uncertainty.identifiability import undetermined
+from furuta_control.estimation import EstimatorParameters
+from furuta_hw.rigs.rig import Rig
+from furuta_model.linear import linearize, place_poles
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Sensors
+from furuta_model.state import THETA
+from furuta_recordings.readers import Mapping
+from furuta_recordings.recording import Recording
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.simulation.closed_loop import Loop, simulate
+
+SMALL = FurutaPendulum(0.006, 0.0024, 0.0019, 0.21)
+# A recording of a public rig, if it is there.
+SINE = RECORDINGS / "hardware_sin_response_2V_1s.csv"
+
+
+@pytest.fixture(scope="module")
+def model() -> Model:
+    """The model of two recordings whose zeros differ."""
+    other = Readings(zero=0.1)
+    recordings = [example("steps", 2.5, seconds=3.0), example("sine", 2.0, other, seconds=3.0)]
+    return identify(recordings, Options())
+
+
+def test_the_truth(model: Model) -> None:
+    values = model.values
+    for name in ("beta", "gamma", "delta", "viscous"):
+        assert values[name] == pytest.approx(getattr(EXAMPLE, name), rel=0.05)
+    assert values.body.alpha == pytest.approx(EXAMPLE.alpha, rel=0.1)
+    assert values["coulomb"] == pytest.approx(0.12, rel=0.2)
+    assert values["lag"] == pytest.approx(EXAMPLE.lag, abs=5e-4)
+    tilt = (EXAMPLE.tilt_x, EXAMPLE.tilt_y)
+    assert (values["tilt_x"], values["tilt_y"]) == pytest.approx(tilt, abs=0.015)
+    for recording in model.recordings:
+        fits = model.predict(recording).fits()
+        assert min(fits["arm speed"], fits["pendulum angle"]) > 90.0
+
+
+def test_standard_errors_cover_the_truth(model: Model) -> None:
+    values, errors = summary(model), standard_errors(model)
+    for name in ("alpha", "beta", "gamma", "delta", "viscous"):
+        truth = getattr(EXAMPLE, name)
+        assert abs(values[name] - truth) < 4.0 * errors[name]
+        assert errors[name] < 0.3 * truth
+
+
+def test_waves_and_zeros(model: Model) -> None:
+    report = summary(model)
+    assert 5 in [wave["order"] for wave in report["waves"]]
+    amplitudes = [model.values[name] for name in wave_names(5)]
+    assert amplitudes == pytest.approx(EXAMPLE.waves[1, 1:], abs=0.015)
+    zeros = list(report["setup"]["zeros"].values())
+    assert zeros[0] - zeros[1] == pytest.approx(0.1, abs=0.005)
+    assert report["setup"]["ceiling"] is None
+    assert report["natural_frequency_rad_s"] == pytest.approx(np.sqrt(0.22 / 0.0025), rel=0.005)
+
+
+def test_a_model_predicts_another_recording(model: Model) -> None:
+    lost = Readings(first_missing=True)
+    prediction = validate(model, example("step", 2.4, lost), Options())
+    fits = prediction.fits(3.0)
+    assert fits["arm speed"] > 90.0
+    assert fits["pendulum angle"] > 70.0
+    assert any("first command is missing" in finding for finding in prediction.recording.findings)
+
+
+def test_what_depends_on_an_undetermined_value_is_withheld(model: Model) -> None:
+    """Derived values have the errors of all that they depend on."""
+    covariance = model.covariance.copy()
+    arm = model.names.index("arm_inertia")
+    covariance[arm, arm] = 4.0
+    report = summary(model._replace(covariance=covariance))
+    for name in ("alpha", "a23", "b21", "b41"):
+        assert report[name] is None
+        assert report["standard_errors"][name] is None
+        assert "mostly from arm_inertia" in report["undetermined"][name]
+    assert report["beta"] is not None
+    assert report["natural_frequency_rad_s"] is not None
+    covariance[:] = model.covariance
+    viscous = model.names.index("viscous")
+    covariance[viscous, viscous] = 1.0
+    assert summary(model._replace(covariance=covariance))["viscous"] is None
+
+
+def test_an_upright_start_has_the_zero_of_the_fit(model: Model) -> None:
+    upright = Readings(zero=0.1, hanging=False)
+    prediction = validate(model, example("steps", 2.4, upright, 3.0), Options())
+    assert prediction.fits(2.0)["pendulum angle"] > 90.0
+
+
+def test_a_balanced_recording_stays_upright(model: Model) -> None:
+    """Its rest is not taken for a hanging pendulum with another zero."""
+    sensors = Sensors(ideal=True)
+    plant, estimator = PlantParameters(sensors=sensors), EstimatorParameters(sensors=sensors)
+    run = simulate(Loop(plant=plant, estimator=estimator), 3.0)
+    log = Recording("upright", run.time, run.state[:, :4], run.time, run.command)
+    prediction = validate(model, log, Options())
+    assert np.max(np.abs(prediction.recording.measured[:, THETA])) < 0.7
+    assert not any("zero differs" in finding for finding in prediction.recording.findings)
+
+
+def test_undetermined_parameters_are_withheld(model: Model) -> None:
+    report = summary(model)
+    for name in ("alpha1", "stribeck_velocity"):
+        assert report["lugre"][name] is None
+        assert name in undetermined(model)
+    rig, uncertainty = identified_rig(model, Rig())
+    assert rig.friction.stribeck_velocity == Rig().friction.stribeck_velocity
+    assert rig.friction.alpha1 == 0.0
+    assert uncertainty.standard_errors["stribeck_velocity"] >= 0.5
+
+
+def test_a_value_at_the_end_of_its_range_is_no_result(model: Model) -> None:
+    odd = model._replace(values=model.values.changed(["asymmetry"], [-0.95]))
+    assert "end of the allowed range" in undetermined(odd)["asymmetry"]
+    assert summary(odd)["asymmetry"] is None
+    rig, _ = identified_rig(odd, Rig())
+    assert rig.friction.asymmetry == 0.0
+
+
+def test_the_verdict_looks_at_the_arm(model: Model) -> None:
+    good = [model.predict(recording) for recording in model.recordings]
+    assert verdict(good)["usable"] == "yes"
+    wrong = good[0].predicted.copy()
+    wrong[:, :2] = 0.0
+    judged = verdict([Prediction(good[0].recording, wrong)])
+    assert judged["usable"] == "no"
+    assert "fit of the arm" in judged["reasons"][0]
+
+
+def test_coloured_residuals_are_doubtful(model: Model) -> None:
+    """They are an error of the model; noise of the same size is one of the sensors."""
+    recording = model.recordings[0]
+    size = 0.1 * np.std(recording.measured[:, THETA])
+    noise = np.random.default_rng(1).standard_normal(len(recording.time))
+    for error, usable in ((noise, "yes"), (np.sqrt(2.0) * np.sin(recording.time), "doubtful")):
+        wrong = recording.measured.copy()
+        wrong[:, THETA] += size * error
+        judged = verdict([Prediction(recording, wrong)])
+        assert judged["usable"] == usable
+        assert ("coloured" in str(judged["reasons"])) == (usable == "doubtful")
+
+
+def test_the_delay_is_not_negative(model: Model) -> None:
+    """It is withheld if the commands are logged after they act."""
+    report = summary(model)
+    assert report["setup"]["delay"] >= 0.0
+    assert abs(report["setup"]["delay"] - EXAMPLE.delay) < 3.0 * report["standard_errors"]["delay"]
+    late = summary(model._replace(command_delay=-0.02))
+    assert late["setup"]["delay"] is None
+    assert "logged later" in late["undetermined"]["delay"]
+
+
+@pytest.mark.long
+def test_waves_of_a_real_motor() -> None:
+    """Orders 1, 2 and 14 per turn, as large as on a real rig."""
+    waves = np.array([[1.0, 0.02, 0.01], [2.0, 0.03, -0.04], [14.0, 0.04, 0.03]])
+    recordings = [
+        record(EXAMPLE._replace(waves=waves), kind, u, 3.0, Readings(), np.random.default_rng(k))
+        for k, (kind, u) in enumerate((("steps", 2.5), ("sine", 2.0)))
+    ]
+    found = identify(recordings, Options())
+    assert {2, 14} <= set(found.values.wave_orders)
+    for order, *truth in waves[1:].tolist():
+        amplitudes = [found.values[name] for name in wave_names(int(order))]
+        assert amplitudes == pytest.approx(truth, abs=0.015)
+
+
+def test_coloured_part() -> None:
+    noise = np.random.default_rng(0).standard_normal((40, 2000))
+    parts = [coloured_part(series) for series in noise]
+    assert np.mean(parts) == pytest.approx(5.0, abs=2.0)
+    assert coloured_part(np.cumsum(noise[0])) > 90.0
+
+
+def test_fit_percent() -> None:
+    y = np.sin(np.arange(100.0))
+    assert fit_percent(y, y) == 100.0
+    assert fit_percent(y, np.full(100, y.mean())) == pytest.approx(0.0)
+    assert np.isnan(fit_percent(np.ones(10), np.ones(10)))
+
+
+@pytest.mark.parametrize(
+    ("model", "viscous"), [(FurutaPendulum(), 0.0), (SMALL, 0.25), (SMALL, 0.02)]
+)
+def test_the_poles_are_those_of_the_optimal_loop(model: FurutaPendulum, viscous: float) -> None:
+    """The stable eigenvalues of the Hamiltonian, with 2 V/rad at a drive of 10 V."""
+    a, b = linearize(model, viscous)
+    hamiltonian = np.block([[a, -np.outer(b, b)], [-np.diag([4.0, 0, 0, 0]), -a.T]])
+    optimal = [pole for pole in np.linalg.eigvals(hamiltonian) if pole.real < 0.0]
+    poles = quadratic_poles(model, viscous, 10.0)
+    assert poles.polynomial == pytest.approx(np.poly(optimal).real, rel=1e-6)
+    # An optimal loop stands half and any multiple of its torque.
+    gain = place_poles(model, poles, viscous)
+    for factor in (0.51, 1.0, 5.0):
+        assert np.linalg.eigvals(a - factor * np.outer(b, gain)).real.max() < 0.0
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not SINE.exists(), reason="FURUTA_RECORDINGS has no such record")
+def test_a_real_rig() -> None:
+    """One recording of a public rig predicts another one, whose first command is missing."""
+    step = RECORDINGS / "hardware_step_response_4V.csv"
+    names = Mapping("joint0", "joint1", "effort_control")
+    model, fitted, held_out = identify_files((SINE,), (step,), names, Options(zero="hanging"))
+    assert summary(model)["natural_frequency_rad_s"] == pytest.approx(9.35, rel=0.01)
+    assert verdict(fitted)["usable"] == "yes"
+    for (prediction,), least in ((fitted, 98.0), (held_out, 96.0)):
+        fits = prediction.fits()
+        assert min(fits["arm angle"], fits["pendulum angle"]) > least
