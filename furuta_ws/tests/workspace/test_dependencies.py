@@ -66,7 +66,7 @@ KEY_OF_IMPORT = {
 # What tests need without importing it: plugins, and commands with the types that they check.
 PLUGINS = {"pytest-timeout"}
 COMMANDS = {"mypy", "types-pyyaml", "ruff"}
-TAGS = ("depend", "build_depend", "exec_depend", "test_depend")
+TAGS = ("depend", "buildtool_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
     "flint": "python-flint",

@@ -27,9 +27,7 @@ LAYERS = [
     {"furuta_control", "furuta_friction", "furuta_recordings"},
     {"furuta_sim"},
     {"furuta_hw"},
-    {"furuta_description", "furuta_graph", "furuta_identification"},
-    {"furuta"},
-    {"furuta_view"},
+    {"furuta", "furuta_description"},
     {"furuta_bringup"},
 ]
 EXECUTABLES = [
@@ -43,19 +41,14 @@ ROS_MODULES = {
     *("rclpy", "rcl_interfaces", "sensor_msgs", "std_msgs", "std_srvs", "diagnostic_msgs"),
     *("lifecycle_msgs", "rosgraph_msgs"),
 }
-PURE = ["furuta", "furuta_model", "furuta_identification"]
-# Here only the nodes, and the files named below, import ROS; in furuta_graph all but the settings.
-WITH_NODES = [
-    *("furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"),
-    "furuta_graph",
-]
+PURE = ["furuta", "furuta_model"]
+# Here only the nodes, and the files named below, import ROS.
+WITH_NODES = ["furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"]
 ROS_FILES = {"lockstep", "realtime", "recorder_process"}
 
 
 def cores(package: str) -> list[Path]:
     """The modules that must not know ROS."""
-    if package == "furuta_graph":
-        return [file for file in modules(package) if file.parent.name == "settings"]
     return [
         file
         for file in modules(package)
@@ -141,7 +134,7 @@ def test_rooms_form_no_circle() -> None:
         others = {room_of(each) for each in imported} - {room_of(name), None}
         if room_of(name) is not None:
             rooms.setdefault(room_of(name), set()).update(others)
-    assert {"furuta.identification.fitting", "furuta_recordings.bags"} <= set(rooms)
+    assert {"furuta.identification", "furuta_bringup.page", "furuta_recordings.bags"} <= set(rooms)
     assert_no_circle(rooms)
 
 
