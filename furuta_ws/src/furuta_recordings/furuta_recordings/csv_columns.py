@@ -8,20 +8,37 @@ header; lines that begin with #, of which the last one can be the header.
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterator
+import re
+from array import array
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from datetime import date
 from itertools import chain, islice
+from math import isnan, nan
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
-from furuta_model.parameters import ParameterError
-from furuta_recordings.cells import Cells, is_text
+from furuta_model.parameters import ParameterError, shortened
 
 # Most cells of a table: 8 bytes each in memory.
 MOST_CELLS = 50_000_000
 # Rows that are read together; more do not stay in the processor's cache.
 ROWS_TOGETHER = 256
+# What stands for a missing value; an empty cell does too.
+MISSING = {"", "-", "--", "na", "n/a", "#n/a", "nan", "nil", "none", "null"}
+# Kinds of time, which are the units of their columns.
+DATE, DAY_TIME, HOUR_TIME, INSTANT = "date", "time of day", "min:s", "date and time"
+_DECIMAL_COMMA = re.compile(r"[+-]?(?=,?\d)\d*,\d*(?:e[+-]?\d+)?")
+# With a decimal comma these have three decimals; they may be thousands as well.
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+_TIME = re.compile(
+    r"(?:(?P<date>\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[./]\d{1,2}[./]\d{4})(?:[t_\s]+|$))?"
+    r"(?:(?P<clock>\d+:\d\d(?::\d\d)?)(?P<part>[.,]\d+)?\s*(?P<half>[ap]m)?)?"
+    r"\s*(?:z|utc|(?P<zone>[+-]\d\d:?\d\d))?"
+)
+_EPOCH = date(1970, 1, 1).toordinal()
 
 
 class Table(NamedTuple):
@@ -156,3 +173,152 @@ def _separated(header: str) -> dict[str, Any]:
     if separator not in header and " " in header.strip():
         return {"delimiter": " ", "skipinitialspace": True}
     return {"delimiter": separator}
+
+
+class Cells:
+    """The cells of the column ``name`` so far: ``numbers``, and what was noticed of the texts."""
+
+    def __init__(self, name: str) -> None:
+        self.name, self.numbers = name, array("d")
+        # Whether a cell has a decimal point, or a comma that is certainly a decimal one.
+        self.has_point = self.has_comma = False
+        self._doubtful = 0  # numbers such as 1,234
+        self._times: Counter[str] = Counter()
+        self._days: dict[str, int] = {}
+        # Dates with slashes: whether a day or a month is certainly first, or one was guessed to be.
+        self._day_is_first = self._month_is_first = self._guessed = False
+        self._wrong, self._first = 0, ""
+
+    def add(self, cells: Sequence[str], lines: Sequence[int]) -> None:
+        """Add cells, and the numbers of their lines in the file."""
+        together = "".join(cells)
+        plain = cells
+        if self.has_comma and "." not in together:
+            plain = [cell.replace(",", ".") for cell in cells]
+        try:
+            self.numbers.extend([*map(float, plain)])
+            self.has_point |= "." in together
+        except ValueError:
+            for cell, line in zip(cells, lines, strict=True):
+                self.numbers.append(self.number(cell, line))
+
+    def number(self, cell: str, line: int) -> float:
+        """The number or the time [s since 1970, or of the day] in a cell; NaN without one."""
+        text = cell.strip().lower()
+        if text in MISSING:
+            return nan
+        readers = [self._with_point, self._with_comma]
+        readers.insert(0 if self._times else 2, self._time)  # first among times, for speed
+        for read in readers:
+            if (value := read(text)) is not None:
+                return value
+        self._first = self._first or f"{shortened(cell)} in line {line}"
+        self._wrong += 1
+        return nan
+
+    def _with_point(self, text: str) -> float | None:
+        try:
+            value = float(text)
+        except ValueError:
+            return None
+        self.has_point |= "." in text
+        return value
+
+    def _with_comma(self, text: str) -> float | None:
+        if not _DECIMAL_COMMA.fullmatch(text):
+            return None
+        if _THOUSANDS.fullmatch(text):
+            self._doubtful += 1
+        else:
+            self.has_comma = True
+        return float(text.replace(",", "."))
+
+    def is_doubtful(self, others_have_commas: bool) -> bool:
+        """Whether commas may separate thousands.
+
+        They are decimal if another column has decimal commas and all numbers three decimals.
+        """
+        decimal = others_have_commas and self._doubtful == np.sum(np.isfinite(self.numbers))
+        return self._doubtful > 0 and not (self.has_comma or decimal)
+
+    def _time(self, text: str) -> float | None:
+        found = _TIME.fullmatch(text)
+        if not found or not (found["date"] or found["clock"]):
+            return None
+        day = self._day(found["date"]) if found["date"] else 0
+        if day is None:
+            return None
+        kind, seconds = DATE, 0.0
+        if found["clock"]:
+            kind, seconds = _clock(found["clock"], found["part"], found["half"])
+            kind = INSTANT if found["date"] else kind
+        self._times[kind] += 1
+        return 86400.0 * day + seconds - _zone(found["zone"])
+
+    def _day(self, text: str) -> int | None:
+        """Days since 1970; of two numbers before a year the first is the month if slashes do."""
+        if text not in self._days:
+            first, second, third = map(int, re.split("[-/.]", text))
+            year, month, day = (first, second, third) if first > 31 else (third, second, first)
+            if "/" in text and first <= 31:
+                self._day_is_first |= first > 12
+                self._month_is_first |= second > 12
+                if not self._day_is_first:
+                    month, day, self._guessed = first, second, True
+            try:
+                self._days[text] = date(year, month, day).toordinal() - _EPOCH
+            except ValueError:
+                return None
+        return self._days[text]
+
+    @property
+    def unit(self) -> str:
+        """The kind of time in the column; empty for numbers."""
+        return next(iter(self._times), "")
+
+    def problem(self, commas: bool) -> str:
+        """Why the column cannot be used; empty if it can. The table has decimal ``commas`` or not.
+
+        A number with a point in a table with decimal commas may be a thousand.
+        """
+        column, times = f"column {self.name}", self._times.total()
+        mixed = len(self._times) > 1 or times < np.sum(np.isfinite(self.numbers))
+        either_order = self._guessed and (self._day_is_first or not self._month_is_first)
+        problems = {
+            f"a cell in {column} is not a number: {self._first}": self._wrong == 1,
+            f"{self._wrong} cells in {column} are not numbers, first {self._first}": self._wrong,
+            f"{column} has times of several forms, or times and numbers": times and mixed,
+            f"{column} has decimal points, but the table has decimal commas": (
+                commas and self.has_point and not times
+            ),
+            f"{column}: a number such as 1,234 may be a thousand or have decimals; write its "
+            "numbers without separators of thousands": self.is_doubtful(commas),
+            f"{column}: day and month of {next(iter(self._days), '')} are not certain; write dates "
+            "as 2026-01-31": either_order and len(self._days) > 1,
+        }
+        return next((text for text, holds in problems.items() if holds), "")
+
+
+def _clock(text: str, part: str | None, half: str | None) -> tuple[str, float]:
+    """Kind of a time of day, and its seconds; of two numbers with a fraction min and s."""
+    numbers = [int(number) for number in text.split(":")]
+    kind = HOUR_TIME if part and len(numbers) == 2 else DAY_TIME
+    hour, minute, second = [0, *numbers] if kind == HOUR_TIME else [*numbers, 0][:3]
+    if half:
+        hour = hour % 12 + 12 * (half == "pm")
+    return kind, 3600.0 * hour + 60.0 * minute + second + float((part or "0").replace(",", "."))
+
+
+def _zone(text: str | None) -> float:
+    """Seconds that local time is ahead of UTC."""
+    if not text:
+        return 0.0
+    size = 3600.0 * int(text[1:3]) + 60.0 * int(text[-2:])
+    return -size if text[0] == "-" else size
+
+
+def is_text(cells: Sequence[str]) -> bool:
+    """Whether the cells hold neither a number nor a time, but something, as in a row of units."""
+    texts = [cell.strip().lower() for cell in cells if cell.strip()]
+    known = [text for text in texts if text not in MISSING]
+    return bool(known) and all(isnan(Cells("").number(text, 0)) for text in known)

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.cells import DATE, DAY_TIME, HOUR_TIME, INSTANT
-from furuta_recordings.csv_columns import Table
+from furuta_recordings.csv_columns import DATE, DAY_TIME, HOUR_TIME, INSTANT, Table
 
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 # A unit in the last one, two or three parts of a name: time_ms, vel_rad_s, vel_rad_per_s.

@@ -3,8 +3,7 @@
 import numpy as np
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.cells import DATE, DAY_TIME, INSTANT
-from furuta_recordings.csv_columns import Table
+from furuta_recordings.csv_columns import DATE, DAY_TIME, INSTANT, Table
 from furuta_recordings.readers.columns import (
     TIME_UNITS,
     column,
