@@ -61,7 +61,7 @@ def written(path: Path, messages: int = 1000) -> Path:
     for k in range(messages):
         writer.add(k % 2, k, DATA)
         if k % 50 == 49:
-            writer._content.end_chunk()
+            writer._writer.flush()
     writer.close()
     return path
 

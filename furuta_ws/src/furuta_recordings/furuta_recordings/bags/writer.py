@@ -11,14 +11,17 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic
+from typing import IO, cast
+
+from mcap.writer import CompressionType, Writer
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.mcap_file import McapFile
 from furuta_recordings.bags.metadata import METADATA_FILE, BagTopic, as_yaml, metadata
 from furuta_ros.errors import UserError
 from furuta_ros.whole_files import make_directory, whole_file
 
-# Longest time [s] until a message is written.
+# Largest chunk [bytes], and longest time [s] until it is written.
+LARGEST_CHUNK = 2**16
 FLUSH_INTERVAL = 0.1
 # Most bytes that may wait for the disk; if more must, it is too slow.
 LARGEST_BACKLOG = 2**26
@@ -63,6 +66,8 @@ class BagWriter:
         self.closed = False
         self._topics: list[BagTopic] = []
         self._schemas: dict[str, int] = {}  # by message type
+        self._counts: list[int] = []
+        self._times = 2**63 - 1, 0
         self._next_flush = 0.0
         _make(path)
         try:
@@ -70,7 +75,9 @@ class BagWriter:
                 for name, text in parameters.items():
                     (path / name).write_text(text)
                 self._file = BackgroundFile(path / f"{path.name}_0.mcap", waits)
-            self._content = McapFile(self._file)
+            stream = cast("IO[bytes]", self._file)
+            self._writer = Writer(stream, LARGEST_CHUNK, CompressionType.NONE)
+            self._writer.start("ros2")
             for topic in topics:
                 self.add_topic(topic)
             self._describe()
@@ -84,22 +91,25 @@ class BagWriter:
             return self._topics.index(topic)
         name, definition = topic.type_name, topic.definition.encode()
         if name not in self._schemas:
-            self._schemas[name] = self._content.add_schema(name, topic.encoding, definition)
+            self._schemas[name] = self._writer.register_schema(name, topic.encoding, definition)
         about = {"offered_qos_profiles": topic.qos, "topic_type_hash": topic.type_hash}
-        self._content.add_channel(topic.name, self._schemas[name], about)
+        self._writer.register_channel(topic.name, "cdr", self._schemas[name], about)
         self._topics.append(topic)
+        self._counts.append(0)
         return len(self._topics) - 1
 
     def add(self, topic: int, time: int, data: bytes) -> None:
         """Take a message of one of the topics (index), received at ``time`` [ns]."""
-        self._content.add(topic + 1, time, data)  # numbers of channels begin at 1
+        self._writer.add_message(topic + 1, time, data, time)  # numbers of channels begin at 1
+        self._counts[topic] += 1
+        first, last = self._times
+        self._times = min(first, time), max(last, time)
 
     def flush(self) -> None:
         """Begin to write what was added, if the last time is long enough ago."""
         if monotonic() >= self._next_flush:
             with self._disk_errors():
-                self._content.end_chunk()
-                self._file.flush()
+                self._writer.flush()
             self._next_flush = monotonic() + FLUSH_INTERVAL
 
     def close(self) -> None:
@@ -109,7 +119,7 @@ class BagWriter:
         self.closed = True
         try:
             with self._disk_errors():
-                self._content.finish()
+                self._writer.finish()
                 self._file.finish()
             self._describe()
         finally:
@@ -124,8 +134,8 @@ class BagWriter:
 
     def _describe(self) -> None:
         """Write the metadata beside the data."""
-        counts = [self._content.counts[k] for k in range(1, len(self._topics) + 1)]
-        about = metadata(self._topics, counts, f"{self.path.name}_0.mcap", self._content.times)
+        times = self._times if any(self._counts) else (0, 0)
+        about = metadata(self._topics, self._counts, f"{self.path.name}_0.mcap", times)
         with whole_file(self.path / METADATA_FILE) as new:
             new.write_text(as_yaml(about))
 
