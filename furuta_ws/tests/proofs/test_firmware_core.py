@@ -18,9 +18,7 @@ WARNINGS = ("-Wall", "-Wextra", "-Werror")
 STALE = "rig->number - rig->answered >= rig->watchdog"
 FRESH = "return rig->number - sample < rig->watchdog;"
 NEWER = "return 0 < ahead && ahead < 0x80000000u;"
-DISARM = "    rig->code = rig->limits.zero_code;\n    rig->status &="
 ARM = "    rig->answered = frame->sample;\n    rig->code = rig->limits.zero_code;"
-DRIVE = "    rig->answered = frame->sample;\n    rig->code = frame->code;"
 ALLOWED = "rig->fault || !is_fresh(rig, frame->sample)"
 SESSION = "!rig->in_session || frame->session != rig->session"
 TAKE = "static bool take_newest(struct furuta_sample *sample) {\n    board_"
@@ -30,26 +28,16 @@ DISCARD = "    board_lock();\n    rig.discarded++;\n    board_unlock();"
 # One fault each: file, old text, new text.
 MUTANTS = [
     ("rig", STALE, STALE.replace(">=", ">")),
-    ("rig", STALE, "false"),
     ("rig", FRESH, FRESH.replace("<", "<=")),
     ("rig", FRESH, "return sample + rig->watchdog > rig->number;"),
-    ("rig", FRESH, "return true;"),
-    ("rig", NEWER, "return sample > than;"),
-    ("rig", NEWER, "return false;"),
     ("rig", NEWER, "return ahead < 0x80000000u;"),
-    ("rig", DISARM, "    rig->status &="),
     ("rig", "rig->status &= (uint8_t)~FURUTA_ARMED;", ""),
     ("rig", ALLOWED, "!is_fresh(rig, frame->sample)"),
-    ("rig", ALLOWED, "rig->fault"),
     ("rig", ARM, "    rig->code = rig->limits.zero_code;"),
-    ("rig", DRIVE, "    rig->code = frame->code;"),
     ("rig", "(rig->status & FURUTA_ARMED) == 0 || !is_fresh", "!is_fresh"),
     ("rig", "frame->code < limits->lowest_code ||", ""),
-    ("rig", "frame->code > limits->highest_code", "false"),
     ("rig", SESSION, "frame->session != rig->session"),
-    ("rig", SESSION, "!rig->in_session"),
     ("rig", "    case FURUTA_STOP:\n        disarm(rig);", "    case FURUTA_STOP:"),
-    ("rig", "    disarm(rig);\n    rig->status = 0;", "    rig->status = 0;"),
     ("rig", "hello->version == FURUTA_VERSION", "true"),
     ("rig", "    if (rig->fault) {\n        disarm(rig);", "    if (rig->fault) {"),
     (
@@ -62,12 +50,10 @@ MUTANTS = [
     ("firmware", FORGET, ""),
     ("firmware", f"{TAKE}lock();", f"{TAKE}unlock();"),
     ("firmware", DISCARD, "    rig.discarded++;"),
-    ("firmware", "    newest.status = rig.status;", "    newest.status = 0;"),
     ("frames", "return size == 9u;", "return true;"),
-    ("frames", "reader->length == FURUTA_LONGEST_FRAME", "false"),
 ]
 # Those that are refuted within a second or some.
-FAST = (0, 24)
+FAST = (0, 14)
 # Faults of reading a frame need frames byte by byte.
 INSTANCES = {"rig": ("2", "1"), "firmware": ("2", "1"), "frames": ("1", "0")}
 
