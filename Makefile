@@ -72,7 +72,7 @@ course:
 	$(if $(CHECK),,tools/in_environment jupyter lab --notebook-dir output/course/exercises)
 
 # Random events for nodes, rig and loops, for so many examples of each.
-EXAMPLES ?= 500
+EXAMPLES ?= 50
 soak:
 	FURUTA_SOAK=$(EXAMPLES) $(PYTEST)/soak --timeout 0 $(if $(SEED),--hypothesis-seed=$(SEED))
 
