@@ -10,10 +10,7 @@ from furuta.identification.fitting.swinging import fit_swinging
 from furuta.identification.model import Model, Prediction
 from furuta.identification.options import Options
 from furuta.identification.preparation.prepare import prepare, prepare_all
-from furuta.identification.regression.equations import (
-    fitted_ceiling,
-    has_one_level,
-)
+from furuta.identification.regression.equations import fitted_ceiling, has_one_level
 from furuta.identification.regression.first_estimate import DELAY_STEP, MomentumFit, first_estimate
 from furuta.identification.regression.speeds import speed_lag
 from furuta.identification.shooting.unknowns import ParameterValues

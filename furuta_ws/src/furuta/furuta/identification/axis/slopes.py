@@ -24,8 +24,8 @@ from furuta_model.compiled import compiled, inlined
 SHORTEST = 1e-12
 # Slides and stops within a step; more are not looked for.
 MOST_EVENTS = 6
-# What a tangent belongs to: a first state, a field of the model, an offset, or part of a wave.
-POSITION, SPEED, OFFSET, COSINE, SINE, FIELD = -2, -1, -3, -4, -5, 0
+# What a tangent belongs to, if not to a field of the model.
+POSITION, SPEED, OFFSET, COSINE, SINE = -2, -1, -3, -4, -5
 
 
 _J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = range(13)
