@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 from random_rigs import DEGREE, EXAMPLE, RPM, Readings, example, record, sampled
 
+from furuta.identification.identify import identify
 from furuta.identification.options import Options
 from furuta.identification.preparation.prepare import prepare, prepare_all
 from furuta.identification.regression.equations import (
+    CommandScale,
+    arm_rows,
+    command_scales,
     fitted_ceiling,
     has_one_level,
 )
@@ -192,7 +196,7 @@ def test_long_recordings_are_fitted_in_excerpts() -> None:
 @pytest.mark.parametrize(("amplitude", "expected"), [(4.5, 3.0), (2.5, np.inf)])
 def test_the_ceiling_shows_in_larger_commands(amplitude: float, expected: float) -> None:
     ready = prepare(example("chirp", amplitude), Options())
-    ceiling = fitted_ceiling([ready], speed_lag(ready), 0.003)
+    ceiling, _ = fitted_ceiling(arm_rows([ready], speed_lag(ready), 0.003))
     assert ceiling == pytest.approx(expected, rel=0.05)
 
 
@@ -212,8 +216,38 @@ def test_steps_of_two_levels_show_the_ceiling(ceiling: float, others: tuple[str,
         record(rig, kind, u, 4.0, Readings(), np.random.default_rng(k), kind)
         for k, (kind, u) in enumerate(kinds)
     ]
-    found = fitted_ceiling(_numbered(recordings), EXAMPLE.lag, EXAMPLE.delay)
+    found, _ = fitted_ceiling(arm_rows(_numbered(recordings), EXAMPLE.lag, EXAMPLE.delay))
     assert found == pytest.approx(ceiling if ceiling < 4.0 else np.inf, rel=0.05)
+
+
+@pytest.mark.parametrize("factor", [1.0, 8.0, -1.0])
+def test_a_command_in_another_unit_is_noticed(factor: float) -> None:
+    """Its recording and the factor are named; a shared unit is not doubted."""
+    other = example("sine", 2.0)
+    other = other._replace(command=other.command * factor)
+    ready = _numbered([example("steps", 2.5), other, example("chirp", 2.5)])
+    scales = command_scales(arm_rows(ready, EXAMPLE.lag, EXAMPLE.delay))
+    best = min(scales, key=lambda scale: scale.misfit)
+    assert best.differs == (factor != 1.0)
+    if best.differs:
+        assert best.name == "sine"
+        assert best.factor == pytest.approx(1.0 / factor, rel=0.05)
+        with pytest.raises(
+            ParameterError, match=r"sine: a command of 1 acts like .*--command-scale"
+        ):
+            identify([example("steps", 2.5), other], Options())
+
+
+def test_a_scale_that_is_not_known_differs_from_nothing() -> None:
+    assert not CommandScale("a", 0.01, 0.02, 0.1).differs
+    assert not CommandScale("a", 1.2, 0.001, 0.1).differs
+    assert CommandScale("a", 1.5, 0.1, 0.1).differs
+
+
+def test_angles_in_several_units_are_refused() -> None:
+    degrees = example("steps", 2.5, Readings(DEGREE, DEGREE))._replace(number=1, name="odd")
+    with pytest.raises(ParameterError, match="odd: its motion shows angles in deg"):
+        prepare_all([example("sine", 2.0), degrees], Options())
 
 
 def test_a_step_does_not_show_the_ceiling() -> None:

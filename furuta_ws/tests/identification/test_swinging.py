@@ -80,6 +80,20 @@ def test_a_model_predicts_another_recording(model: Model) -> None:
     assert any("first command is missing" in finding for finding in prediction.recording.findings)
 
 
+@pytest.mark.parametrize("clips", [True, False])
+def test_a_held_out_recording_shows_that_the_drive_clips(model: Model, clips: bool) -> None:
+    """Commands beyond all fitted ones are predicted with the ceiling, if the motion shows it."""
+    rig = EXAMPLE._replace(ceiling=3.2 if clips else 12.0)
+    rng = np.random.default_rng(3)
+    prediction = validate(model, record(rig, "step", 4.0, 3.0, Readings(), rng), Options())
+    assert prediction.fits()["arm angle"] > 95.0
+    said = " ".join(prediction.recording.findings)
+    assert ("may clip at" in said) == clips
+    if clips:
+        ceiling = float(said.partition("give --ceiling ")[2].split(";")[0])
+        assert ceiling == pytest.approx(rig.ceiling, rel=0.03)
+
+
 def test_what_depends_on_an_undetermined_value_is_withheld(model: Model) -> None:
     """Derived values have the errors of all that they depend on."""
     covariance = model.covariance.copy()

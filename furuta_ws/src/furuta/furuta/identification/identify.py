@@ -6,14 +6,21 @@ import numpy as np
 
 from furuta.identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, fit_balanced, is_balanced
 from furuta.identification.fitting.free_swing import FreeSwing, identify_free_swing
+from furuta.identification.fitting.held_out_ceiling import with_ceiling
 from furuta.identification.fitting.swinging import fit_swinging
 from furuta.identification.model import Model, Prediction
 from furuta.identification.options import Options
 from furuta.identification.preparation.prepare import prepare, prepare_all
-from furuta.identification.regression.equations import fitted_ceiling, has_one_level
+from furuta.identification.regression.equations import (
+    arm_rows,
+    command_scales,
+    fitted_ceiling,
+    has_one_level,
+)
 from furuta.identification.regression.first_estimate import DELAY_STEP, MomentumFit, first_estimate
 from furuta.identification.regression.speeds import speed_lag
 from furuta.identification.shooting.unknowns import ParameterValues
+from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, THETA
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording, findings_of
@@ -71,7 +78,8 @@ def identify(recordings: list[Recording], options: Options) -> Model:
     prepared, regression, delay, negated = first_estimate(ready.recordings, lag)
     if negated:
         findings.append("a positive command turns the arm in its negative direction: sign inverted")
-    ceiling = options.ceiling or fitted_ceiling(prepared, lag, delay)
+    found = _first_ceiling(prepared, lag, delay, options.ceiling or np.inf)
+    ceiling = options.ceiling or found
     if np.isfinite(ceiling):
         limited = [recording.with_ceiling(ceiling) for recording in prepared]
         regression = first_estimate(limited, lag).regression
@@ -99,6 +107,25 @@ def identify(recordings: list[Recording], options: Options) -> Model:
         angles=ready.angles,
         direction=ready.direction,
     )
+
+
+def _first_ceiling(recordings: list[Recording], lag: float, delay: float, given: float) -> float:
+    """A first value of the ceiling [V]; raises ParameterError if commands have several units.
+
+    A recording in another unit resembles one whose commands are clipped, so the smaller misfit
+    decides. The slow motion of balanced pendulums hardly shows a unit.
+    """
+    rows = arm_rows([recording.with_ceiling(given) for recording in recordings], lag, delay)
+    ceiling, misfit = fitted_ceiling(rows)
+    other = min(command_scales(rows), key=lambda scale: scale.misfit, default=None)
+    swinging = not all(is_balanced(recording) for recording in recordings)
+    if swinging and other and other.differs and other.misfit < misfit:
+        raise ParameterError(
+            f"{other.name}: a command of 1 acts like {other.factor:.3g} ± {other.error:.2g} of the "
+            "other recordings, as if in another unit or sign; convert its commands, or identify it "
+            f"alone with --command-scale {abs(other.factor):.3g}"
+        )
+    return ceiling
 
 
 def starting_values(fit: MomentumFit, lag: float, ceiling: float) -> ParameterValues:
@@ -134,7 +161,8 @@ def validate(model: Model, recording: Recording, options: Options) -> Prediction
     zero, error = _own_zero(model, ready)
     if error:
         ready = ready.noting(f"the pendulum's zero differs by {error:.3f} rad: corrected")
-    return model._replace(values=model.values.with_zero(zero)).predict(ready)
+    model = model._replace(values=model.values.with_zero(zero))
+    return with_ceiling(model, model.predict(ready))
 
 
 def _own_zero(model: Model, recording: Recording) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from furuta.identification.regression.pendulum_motion import PendulumMotion, pen
 from furuta.identification.regression.speeds import speed_as_slope
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, by_run
 
 DEGREE = np.pi / 180.0
 AUTO, RADIANS, DEGREES = ANGLE_UNITS
@@ -36,7 +36,15 @@ def angle_unit(recordings: list[Recording], angles: str) -> str:
     unknown = [recording for recording in recordings if not recording.in_radians]
     if angles != AUTO or not unknown:
         return RADIANS if angles == AUTO else angles
-    odds = USUAL + sum(map(_log_odds_of_radians, unknown))
+    runs = by_run(unknown)
+    each = [sum(map(_log_odds_of_radians, run)) for run in runs]
+    (first, *_), (last, *_) = runs[int(np.argmin(each))], runs[int(np.argmax(each))]
+    if min(each) + USUAL < -SURE and max(each) + USUAL > SURE:
+        raise ParameterError(
+            f"{first.name}: its motion shows angles in {DEGREES}, that of {last.name} in {RADIANS};"
+            f" name the unit in the columns' names, as in angle [{DEGREES}], or convert one"
+        )
+    odds = USUAL + sum(each)
     if abs(odds) < SURE:
         raise ParameterError(
             f"{', '.join(r.name for r in unknown)}: the motion does not tell whether angles "

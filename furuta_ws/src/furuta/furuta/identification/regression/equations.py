@@ -37,8 +37,20 @@ LARGEST_SLOW_PART = 0.05
 PARTS = np.linspace(0.3, 0.98, 35)
 # Logarithm of the likelihood ratio from which a ceiling is there.
 SURE = 10.0
+# Factor between the command scales of recordings from which they have different units, and standard
+# errors that make it sure.
+OTHER_SCALE, SURE_ERRORS = 1.3, 3.0
 # Part of the largest command within which all others are of the same level.
 SAME_LEVEL = 0.05
+
+
+def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
+    """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
+    windows = Windows(recording.time)
+    beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
+    x, moving = _arm_columns(recording, windows, beta, gamma)
+    delayed = (recording.with_delayed_command(delay) for delay in delays)
+    return np.array([regress(x, _commanded(r, windows)[moving]).misfit for r in delayed])
 
 
 def pendulum_equation(recording: Recording, windows: Windows) -> LinearFit:
@@ -57,78 +69,56 @@ def pendulum_equation(recording: Recording, windows: Windows) -> LinearFit:
     return regress(np.array(columns).T, windows.mean(s))
 
 
-class ArmRows(NamedTuple):
-    """Rows of the arm's equation: windows, columns (n, 5), which windows they belong to.
+def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: float) -> LinearFit:
+    """α, δ, viscous friction, Coulomb level forward and backward, with β and γ in units of δ.
 
-    The columns are those of α, δ, viscous friction, Coulomb level forward and backward, with β and
-    γ in units of δ from the coefficients of the ``pendulum``'s equation.
+    Windows in which the arm rests do not count. If the arm always turned in one direction, its
+    Coulomb friction cannot be distinguished from a smaller voltage and is assumed to be zero.
     """
+    x, moving = _arm_columns(recording, windows, beta, gamma)
+    return regress(x, _commanded(recording, windows)[moving])
+
+
+class ArmRows(NamedTuple):
+    """Rows of a recording's arm equation: windows, columns (n, 5), which windows they belong to."""
 
     recording: Recording
     windows: Windows
-    pendulum: np.ndarray
     columns: np.ndarray
     moving: np.ndarray
 
-    def commanded(self, recording: Recording) -> np.ndarray:
-        """The mean command of each row [V]; one that holds over a sample counts half at its ends.
-
-        It is that of another ``recording`` of the same samples.
-        """
-        earlier = recording.commanded_at(recording.time - recording.interval)
-        mean = self.windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
-        commanded: np.ndarray = mean[self.moving]
-        return commanded
+    def commanded(self, ceiling: float = np.inf) -> np.ndarray:
+        """The mean command of each row [V], limited by a ceiling."""
+        return _commanded(self.recording.with_ceiling(ceiling), self.windows)[self.moving]
 
 
-def arm_rows(recording: Recording, rarest: float = LARGEST_SLOW_PART) -> ArmRows:
-    """The arm's equation of a recording that has all speeds, where the arm moves.
+def arm_rows(recordings: list[Recording], lag: float, delay: float) -> list[ArmRows]:
+    """The arm's equation of recordings that share all coefficients.
 
-    Coulomb friction counts if the arm turns in its rarer direction for a part of ``rarest``.
-    Otherwise it cannot be distinguished from a smaller voltage and is assumed to be zero.
+    Coulomb friction is one of them, unless the arm hardly turns in one of the directions.
     """
-    windows = Windows(recording.time)
-    pendulum = pendulum_equation(recording, windows).coefficients
-    _, v, theta, w = recording.measured.T
-    s, c = np.sin(theta), np.cos(theta)
-    forward, backward, moving = _directions(v, windows, rarest)
-    if np.sum(moving) < FEWEST_WINDOWS:
-        raise ParameterError(
-            f"{recording.name}: the arm moves in {np.sum(moving)} of {len(moving)} windows of "
-            f"{WINDOW:g} s, which is too few for a fit; record a motion in which it does not rest"
-        )
-    columns = [
-        -windows.slope(v),
-        -windows.slope(pendulum[0] * s * s * v + pendulum[1] * c * w),
-        windows.mean(v),
-        forward,
-        -backward,
-    ]
-    return ArmRows(recording, windows, pendulum, np.array(columns).T[moving], moving)
-
-
-def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
-    """Part of the arm's equation that no coefficients explain, 0 to 1, for each delay [s] (k,)."""
-    rows = arm_rows(recording)
-    delayed = (recording.with_delayed_command(delay) for delay in delays)
-    return np.array([regress(rows.columns, rows.commanded(r)).misfit for r in delayed])
-
-
-def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> float:
-    """A first value of the ceiling [V], infinite where the arm's equation shows none.
-
-    All recordings share the coefficients, none of which is negative. Coulomb friction is one of
-    them, unless the arm hardly turns in one of the directions.
-    """
-    delayed = (recording.with_delayed_command(delay) for recording in recordings)
-    rows = [arm_rows(with_speeds(recording, lag), 0.0) for recording in delayed]
-    x = np.concatenate([row.columns for row in rows])
-    turned = np.sum(np.abs(x[:, 3:]), axis=0)
+    rows = []
+    for recording in recordings:
+        ready = with_speeds(recording.with_delayed_command(delay), lag)
+        windows = Windows(ready.time)
+        beta, gamma = pendulum_equation(ready, windows).coefficients[:2]
+        rows.append(ArmRows(ready, windows, *_arm_columns(ready, windows, beta, gamma, 0.0)))
+    turned = np.sum([np.sum(np.abs(row.columns[:, 3:]), axis=0) for row in rows], axis=0)
     if np.min(turned) < LARGEST_SLOW_PART * np.sum(turned):
-        x[:, 3:] = 0.0
+        for row in rows:
+            row.columns[:, 3:] = 0.0
+    return rows
+
+
+def fitted_ceiling(rows: list[ArmRows]) -> tuple[float, float]:
+    """A first value of the ceiling [V], infinite where the arm's equation shows none; its misfit.
+
+    All recordings share the coefficients, none of which is negative.
+    """
+    x = np.concatenate([row.columns for row in rows])
 
     def misfit(ceiling: float) -> float:
-        u = np.concatenate([row.commanded(row.recording.with_ceiling(ceiling)) for row in rows])
+        u = np.concatenate([row.commanded(ceiling) for row in rows])
         return float(nnls(x, u)[1] / np.linalg.norm(u))
 
     ceilings = PARTS * max(row.recording.largest_command for row in rows)
@@ -136,7 +126,75 @@ def fitted_ceiling(recordings: list[Recording], lag: float, delay: float) -> flo
     best, without = int(np.argmin(misfits)), misfit(np.inf)
     # Windows overlap by half, so every other one counts.
     sure = 0.5 * len(x) * np.log(without / misfits[best]) >= SURE
-    return float(ceilings[best]) if sure else float(np.inf)
+    return (float(ceilings[best]), misfits[best]) if sure else (float(np.inf), without)
+
+
+class CommandScale(NamedTuple):
+    """A recording's command of 1 in commands of the others, its error; the misfit with it."""
+
+    name: str
+    factor: float
+    error: float
+    misfit: float
+
+    @property
+    def differs(self) -> bool:
+        """Whether the unit or the sign is surely another one."""
+        same = 1.0 / OTHER_SCALE < self.factor < OTHER_SCALE
+        return not same and min(abs(self.factor), abs(self.factor - 1.0)) > SURE_ERRORS * self.error
+
+
+def command_scales(rows: list[ArmRows]) -> list[CommandScale]:
+    """The command scale of each run, if all others have one; of a single run none."""
+    numbers = sorted({row.recording.number for row in rows})
+    return [_command_scale(rows, number) for number in numbers if len(numbers) > 1]
+
+
+def _command_scale(rows: list[ArmRows], number: int) -> CommandScale:
+    own = np.concatenate([np.full(len(r.columns), r.recording.number == number) for r in rows])
+    u = np.concatenate([row.commanded() for row in rows])
+    x = np.column_stack((np.concatenate([row.columns for row in rows]), np.where(own, -u, 0.0)))
+    fit = regress(x, np.where(own, 0.0, u))
+    factor, error = float(fit.coefficients[-1]), float(fit.errors[-1])
+    size = np.linalg.norm(np.where(own, factor * u, u))
+    name = next(row.recording.name for row in rows if row.recording.number == number)
+    others = np.linalg.norm(u[~own])
+    return CommandScale(name, factor, error, float(fit.misfit * others / size))
+
+
+def _commanded(recording: Recording, windows: Windows) -> np.ndarray:
+    """The mean command of each window [V]; one that holds over a sample counts half at its ends."""
+    earlier = recording.commanded_at(recording.time - recording.interval)
+    return windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
+
+
+def _arm_columns(
+    recording: Recording,
+    windows: Windows,
+    beta: float,
+    gamma: float,
+    rarest: float = LARGEST_SLOW_PART,
+) -> tuple[np.ndarray, np.ndarray]:
+    """The columns of the arm's equation in the windows in which it moves, and which these are.
+
+    Coulomb friction counts if the arm turns in its rarer direction for a part of ``rarest``.
+    """
+    _, v, theta, w = recording.measured.T
+    s, c = np.sin(theta), np.cos(theta)
+    forward, backward, moving = _directions(v, windows, rarest)
+    columns = [
+        -windows.slope(v),
+        -windows.slope(beta * s * s * v + gamma * c * w),
+        windows.mean(v),
+        forward,
+        -backward,
+    ]
+    if np.sum(moving) < FEWEST_WINDOWS:
+        raise ParameterError(
+            f"{recording.name}: the arm moves in {np.sum(moving)} of {len(moving)} windows of "
+            f"{WINDOW:g} s, which is too few for a fit; record a motion in which it does not rest"
+        )
+    return np.array(columns).T[moving], moving
 
 
 def _directions(

@@ -7,9 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.identification.regression.equations import arm_misfits, arm_rows
+from furuta.identification.regression.equations import (
+    arm_equation,
+    arm_misfits,
+    pendulum_equation,
+)
 from furuta.identification.regression.speeds import with_speeds
-from furuta.identification.regression.windows import regress
+from furuta.identification.regression.windows import Windows
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -80,12 +84,13 @@ def _most_certain(recordings: list[Recording], lag: float, delay: float) -> Mome
 
 def momentum_fit(recording: Recording) -> MomentumFit:
     """Fit a recording that has all speeds, with θ = 0 upright."""
-    rows = arm_rows(recording)
-    arm = regress(rows.columns, rows.commanded(recording))
+    windows = Windows(recording.time)
+    pendulum = pendulum_equation(recording, windows).coefficients
+    arm = arm_equation(recording, windows, *pendulum[:2])
     alpha, delta, viscous, forward, backward = arm.coefficients
     one_way = not np.all(np.isfinite(arm.errors[3:]))
     coulomb = forward + backward if one_way else 0.5 * (forward + backward)
     asymmetry = 0.0 if one_way or coulomb == 0.0 else 0.5 * (forward - backward) / coulomb
-    beta, gamma, joint_viscous, joint_coulomb = rows.pendulum[:4] * delta
+    beta, gamma, joint_viscous, joint_coulomb = pendulum[:4] * delta
     body, of_arm = (alpha, beta, gamma, delta), (viscous, coulomb, asymmetry)
     return MomentumFit(*body, *of_arm, joint_viscous, joint_coulomb, arm.errors[0])
