@@ -25,6 +25,7 @@ from furuta.settings.nodes import NODES
 # How rosdep installs a key on Ubuntu 24.04. Source: rosdep/python.yaml and jazzy/distribution.yaml
 # of github.com/ros/rosdistro at commit 8468e88ccd523427f9131e39d2af0938f1c298b2.
 APT = {
+    "python3-catkin-pkg-modules",
     *(
         "python3-click",
         "python3-hypothesis",

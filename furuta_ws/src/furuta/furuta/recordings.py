@@ -1,13 +1,12 @@
 """Recordings and their identification; series as named columns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from furuta.identification.model import Model
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import is_bag, read
@@ -27,9 +26,6 @@ from furuta_recordings.series_columns import (
 from furuta_recordings.table_files import SUFFIXES, read_columns, write_columns
 from furuta_ros import topic_names
 from furuta_sim.simulation.closed_loop import Record
-
-if TYPE_CHECKING:
-    from furuta.identification.model import Model
 
 
 def read_recording(

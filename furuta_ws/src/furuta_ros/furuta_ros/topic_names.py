@@ -1,4 +1,4 @@
-"""Names of the graph's topics and joints as plain data, for programs without ROS.
+"""Names of topics, joints and transitions of the graph as plain data, for programs without ROS.
 
 The types and the quality of service of the topics are in ``furuta_ros.topics``.
 """
@@ -26,6 +26,14 @@ CLOCK: Final = "clock"
 PARAMETER_EVENTS: Final = "/parameter_events"
 # Every ROS 2 node publishes its log messages here.
 ROSOUT: Final = "/rosout"
+
+# Transitions of the managed bridge by name, each with the state after it.
+TRANSITIONS = {
+    "configure": "inactive",
+    "activate": "active",
+    "deactivate": "inactive",
+    "cleanup": "unconfigured",
+}
 
 
 def full_namespace(name: str) -> str:

@@ -63,14 +63,6 @@ FRICTION_OBSERVER = "friction_observer"
 CONTROLLER = "controller"
 HARDWARE_BRIDGE = "hardware_bridge"
 
-# Transitions of the managed bridge by name, each with the state after it.
-TRANSITIONS = {
-    "configure": "inactive",
-    "activate": "active",
-    "deactivate": "inactive",
-    "cleanup": "unconfigured",
-}
-
 NODES: dict[str, NodeDescription] = {
     node.name: node
     for node in (

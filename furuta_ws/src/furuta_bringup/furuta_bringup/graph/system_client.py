@@ -9,8 +9,9 @@ from rclpy.node import Node
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
-from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT, TRANSITIONS
+from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_bringup.graph.services import ATTEMPTS, ServiceCaller, ServiceError
+from furuta_ros.topic_names import TRANSITIONS
 from furuta_ros.topics import DIAGNOSTICS
 
 # Longest wait for the bridge [s].
