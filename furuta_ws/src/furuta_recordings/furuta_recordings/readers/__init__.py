@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI
 from furuta_recordings.readers.mapping import Mapping
 
 if TYPE_CHECKING:
@@ -58,6 +57,7 @@ def read_axis(
     Raises:
         ParameterError: The file cannot be read, or a name is missing or ambiguous.
     """
+    from furuta_model.state import PHI
     from furuta_recordings.cleaning import FEWEST_SAMPLES, with_usable_samples
     from furuta_recordings.readers.times import with_usable_times
 
