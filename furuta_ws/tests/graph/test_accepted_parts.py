@@ -94,9 +94,7 @@ def test_launch_names_parts_for_every_node(evil: Path) -> None:
         assert any("own_parts:=" in each and "launched.py:f" in each for each in arguments)
 
 
-@pytest.mark.parametrize(
-    "name", ["evil/msg/f", "evil", "antigravity/msg/X", "", "..", "os.path/msg/X", "a b/msg/c"]
-)
+@pytest.mark.parametrize("name", ["evil/msg/f", "evil", "antigravity/msg/X", ".."])
 def test_a_type_in_a_bag_imports_no_other_package(
     evil: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:

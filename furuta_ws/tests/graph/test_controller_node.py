@@ -16,7 +16,6 @@ from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros import node
 from furuta_ros.topics import (
-    ACTIVE_MODE,
     ARMED,
     COMMAND,
     FRICTION_ESTIMATE,
@@ -100,19 +99,6 @@ def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
         assert (added < correction) != armed
 
 
-def test_a_late_subscriber_learns_the_active_mode(loop: Loop) -> None:
-    """It is ``off`` until the first state; who subscribes later gets what was published before."""
-    loop.state(1)
-    loop.estimate(0.0)
-    loop.expect(FEEDBACK)
-    modes: list[str] = []
-    loop.bench.probe.create_subscription(
-        ACTIVE_MODE.type, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
-    )
-    loop.bench.spin(lambda: len(modes) == 2)
-    assert modes == ["off", "balance"]
-
-
 def test_late_estimate_is_not_taken_for_the_next(loop: Loop, in_real_time: None) -> None:
     """State 3 is answered at once with the last estimate; state 4 waits again."""
     loop.state(1)
@@ -160,19 +146,12 @@ def test_gain_and_poles_by_service(loop: Loop) -> None:
     loop.expect(-(0.1 - 0.4 + 0.09 + 0.16))
     with pytest.raises(ServiceError, match="four numbers"):
         client.set("controller", gain=[1.0, 2.0])
-    with pytest.raises(ServiceError, match="catch_angle"):
-        client.set("controller", catch_angle=0.9)
-    for nonsense in (5.0, "abc", "", True, ["a"]):
-        with pytest.raises(ServiceError, match=r"gain: Wrong parameter type, .*DOUBLE_ARRAY"):
-            client.set("controller", gain=nonsense)
+    with pytest.raises(ServiceError, match=r"gain: Wrong parameter type, .*DOUBLE_ARRAY"):
+        client.set("controller", gain="abc")
     assert loop.node.parameters.gain == (1.0, 2.0, 3.0, 4.0)
-    client.set("controller", gain=[4, 3, 2, 1])
-    assert loop.node.parameters.gain == (4.0, 3.0, 2.0, 1.0)
-    for pole_placement in ([], [0.0], [0]):
-        client.set("controller", gain=[1.0, 2.0, 3.0, 4.0])
-        client.set("controller", gain=pole_placement)
-        assert loop.node.parameters.gain == POLE_PLACEMENT
-        assert list(client.get("controller", ["gain"])["gain"]) == [0.0]
+    client.set("controller", gain=[])
+    assert loop.node.parameters.gain == POLE_PLACEMENT
+    assert list(client.get("controller", ["gain"])["gain"]) == [0.0]
     client.set("controller", enabled=False)
     loop.state(2)
     loop.estimate(0.2)

@@ -4,28 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from furuta.settings.nodes import NODES, check_graph
+from furuta.settings.nodes import NODES
 from furuta.settings.settings import load_settings, parameters_of
 from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
-from furuta_bringup.graph.processes import executable
 from furuta_model.parameters import ParameterError
 
 OTHERS = ["estimator", "friction_observer", "controller"]
-
-
-@pytest.mark.parametrize("name", ["plant", "hardware_bridge", "motor"])
-def test_only_some_nodes_can_be_left_out(name: str) -> None:
-    """The controlled system is needed, and an unknown name is an error."""
-    with pytest.raises(ParameterError, match=f"without {', '.join(OTHERS)}; given {name}"):
-        plan_graph(GraphOptions(without=(name,)))
-
-
-@pytest.mark.parametrize("name", NODES)
-def test_node_class_and_executable_exist(name: str) -> None:
-    """The class has the described name and package, and the executable is installed."""
-    node = NODES[name]
-    assert node.load_class().__module__.partition(".")[0] == node.package
-    assert executable(node.package, node.executable).is_file()
 
 
 @pytest.mark.parametrize("hardware", [False, True])
@@ -74,6 +58,7 @@ def test_parameters_take_precedence_over_the_rig(other_rig: Path, tmp_path: Path
         (GraphOptions(hardware=True), ["sample_time=0.002"], "the rig's sample_time is 0.001 s"),
         (GraphOptions(rig="no_such_rig"), [], "no rig no_such_rig; rigs are "),
         (GraphOptions(namespace="a b"), [], "a namespace has letters"),
+        (GraphOptions(without=("plant",)), [], f"without {', '.join(OTHERS)}; given plant"),
     ],
 )
 def test_graphs_that_do_not_fit_together(
@@ -82,12 +67,3 @@ def test_graphs_that_do_not_fit_together(
     """There is no plan for a graph whose nodes contradict each other."""
     with pytest.raises(ParameterError, match=reason):
         plan_graph(options, assignments=assignments)
-
-
-def test_a_node_that_is_left_out_is_not_checked() -> None:
-    """Checks are about the nodes that are there."""
-    made = parameters_of(load_settings([], []))
-    made["plant"] = made["plant"]._replace(plant=made["plant"].plant._replace(sample_time=0.002))
-    with pytest.raises(ParameterError, match=r"plant 0.002 s, estimator 0.001 s"):
-        check_graph(made)
-    check_graph({name: each for name, each in made.items() if name != "plant"})

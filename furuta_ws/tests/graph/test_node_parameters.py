@@ -51,15 +51,6 @@ def test_bad_change_is_rejected_as_a_whole(
     assert client.get("friction_observer", ["alpha0"])["alpha0"] == before.friction.alpha0
 
 
-def test_parameter_without_a_name_is_rejected(ros: None) -> None:
-    """It would otherwise be declared."""
-    node = EstimatorNode()
-    result = node.set_parameters_atomically([Parameter("", value=1.0)])
-    assert not result.successful
-    assert "no name" in result.reason
-    node.destroy_node()
-
-
 def test_a_rig_without_a_filter_is_refused(bench: Bench) -> None:
     """Where no Kalman filter can be computed, the service says so and nothing changes."""
     node = bench.add(EstimatorNode())

@@ -8,12 +8,10 @@ from rclpy.node import Node
 from furuta.settings.settings import default_settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_ros.spinning import spin_until
-from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, QOS, Topic
+from furuta_ros.topics import COMMAND, JOINT_STATES, QOS, Topic
 
 
-@pytest.mark.parametrize(
-    "topic", [MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND], ids=lambda each: each.name
-)
+@pytest.mark.parametrize("topic", [JOINT_STATES, COMMAND], ids=lambda each: each.name)
 def test_a_second_publisher_is_named(ros: None, capfd: Any, topic: Topic) -> None:
     """By the nodes that receive the topic, again and again."""
     graph = SimulatedGraph(default_settings())

@@ -2,7 +2,6 @@
 
 import gc
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,13 +15,9 @@ from testbench import Bench
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
-from furuta_recordings.bags.bag import Bag
-from furuta_recordings.bags.recovery import recover
-from furuta_recordings.recorder_node import RecorderNode
-from furuta_recordings.replay_node import ReplayNode, ReplayOptions
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
-from furuta_ros.topics import CLOCK, COMMAND, MEASUREMENT, TOPICS
+from furuta_ros.topics import COMMAND, MEASUREMENT
 from furuta_sim.plant_node import PlantNode
 
 SIMULATED = Parameter("use_sim_time", value=True)
@@ -67,12 +62,11 @@ def test_a_node_with_simulated_time_follows_lockstep(bench: Bench) -> None:
     bench.spin(lambda: late.get_clock().now().nanoseconds == 230 * MS)
 
 
-@pytest.mark.parametrize(("namespace", "name"), [("", "/clock"), ("/left", "/left/clock")])
-def test_each_namespace_has_its_own_clock(namespace: str, name: str) -> None:
+def test_each_namespace_has_its_own_clock() -> None:
     """Two graphs side by side do not mix their times."""
-    with ros_context(namespace=namespace):
+    with ros_context(namespace="/left"):
         node = PlantNode([LOCKSTEP])
-        assert [each.topic_name for each in published(node)] == [name]
+        assert [each.topic_name for each in published(node)] == ["/left/clock"]
         node.destroy_node()
 
 
@@ -88,22 +82,3 @@ def test_realtime_rejects_simulated_time(bench: Bench, make: Any) -> None:
         client.set(node.get_name(), use_sim_time=True)
     assert not node.get_parameter("use_sim_time").value
     assert node.get_clock().now().nanoseconds > 10**18
-
-
-def test_bags_with_a_clock_are_read_recovered_and_replayed(bench: Bench, tmp_path: Path) -> None:
-    """A recorded clock is replayed; ``--clock`` replaces it, so that time has one publisher."""
-    recorder = RecorderNode(tmp_path / "bag", stamped=True, topics=[*TOPICS, CLOCK])
-    plant = LockStep(bench)
-    (clock,) = published(plant.node)
-    bench.spin(lambda: clock.get_subscription_count() >= 1)
-    plant.run_to(50)
-    recorder.destroy_node()
-    with Bag(tmp_path / "bag") as bag:
-        assert "/clock" in {connection.topic for connection in bag.connections}
-    recover(tmp_path / "bag", tmp_path / "recovered")
-    for clock in (False, True):
-        replay = ReplayNode(tmp_path / "recovered", ReplayOptions(rate=0.0, clock=clock))
-        assert len(published(replay)) == 1
-        replay.play(lambda: False)
-        assert replay.published >= 3 * 50
-        replay.destroy_node()
