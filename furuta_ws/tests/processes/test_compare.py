@@ -7,8 +7,6 @@ from typing import Any
 
 import pytest
 
-PNG = b"\x89PNG"
-
 
 def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     """On the nominal rig, with a table, and with the ranking that the rows give."""
@@ -53,15 +51,3 @@ def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> 
     assert len(rows) == 8
     assert len({row["friction.alpha0"] for row in rows}) == 4
     assert len({row["friction.sigma0"] for row in rows}) == 1
-
-
-def test_the_recommended_settings_are_printed(furuta: Any, tmp_path: Path) -> None:
-    """Below a table for readers, and beside a picture."""
-    picture = tmp_path / "named.png"
-    given = ("--rigs", "2", "--seconds", "5", "--out", picture)
-    arguments = ("compare", *given)
-    status, out, err = furuta(*arguments, "--candidate", "a=compensation=lugre,sigma0=100")
-    assert status == 0, err
-    assert "friction_observer.sigma0" in out
-    assert out.split()[-2:] == ["recommended", "a"]
-    assert picture.read_bytes().startswith(PNG)

@@ -4,6 +4,7 @@ import signal
 from functools import wraps
 from itertools import pairwise
 from pathlib import Path
+from shutil import rmtree
 from time import sleep
 from typing import Any
 
@@ -17,7 +18,10 @@ from testbench import Bench
 from furuta.settings.nodes import graph_nodes
 from furuta.settings.settings import load_settings, loop
 from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
+from furuta_bringup.graph.processes import executable
+from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
+from furuta_recordings.bags.recovery import recover
 from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
 from furuta_sim.simulation.closed_loop import simulate
 
@@ -58,15 +62,14 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("again", [0.02, 0.06, 0.2])
-def test_nodes_end_cleanly(processes: Any, number: int, again: float) -> None:
+def test_nodes_end_cleanly(processes: Any, number: int) -> None:
     """With status 0 and no traceback, also if the signal comes again while they end."""
     running = [processes.node(name) for name in NODE_NAMES]
     for process in running:
         assert "ready" in process.stderr.readline()
     for process in running:
         process.send_signal(number)
-    sleep(again)
+    sleep(0.06)
     for process in running:
         process.send_signal(number)
     for process in running:
@@ -95,7 +98,7 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     process = processes.furuta(
         "run", "--processes", "--lockstep", "--record", bag, "--topic", "command"
     )
-    wait_for(lambda: (bag / "metadata.yaml").exists() and messages(bag))
+    wait_for(lambda: messages(bag))
     process.send_signal(signal.SIGINT)
     _, err = process.communicate()
     assert process.returncode == 0, err
@@ -105,8 +108,14 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
 
 
 def messages(bag: Path) -> int:
-    """Number of commands; /rosout has messages before the graph is ready."""
-    with Bag(bag) as reader:
+    """Number of commands so far; /rosout has messages before the graph is ready."""
+    recovered = bag.with_name("recovered")
+    rmtree(recovered, ignore_errors=True)
+    try:
+        recover(bag, recovered)
+    except ParameterError:  # nothing yet
+        return 0
+    with Bag(recovered) as reader:
         return sum(c.msgcount for c in reader.connections if c.topic == "/command")
 
 
@@ -128,47 +137,36 @@ def test_launched_graph_on_another_rig(
     np.testing.assert_array_equal(graph.run(SAMPLES), expected.state)
 
 
-@pytest.mark.parametrize(
-    "extra",
-    [(), pytest.param(("--processes",), marks=pytest.mark.long)],
-    ids=["composed", "processes"],
-)
-def test_two_graphs_side_by_side(bench: Bench, processes: Any, extra: tuple[str, ...]) -> None:
+def test_two_graphs_side_by_side(bench: Bench, processes: Any) -> None:
     """In one ROS domain each namespace has its own pendulum, clients included."""
     seeds = {"left": 1, "right": 2}
     graphs = {name: PausedGraph(bench, name) for name in seeds}
     for name, seed in seeds.items():
         assignments = ("--set", f"seed={seed}", "--set", "run_until=0")
-        processes.furuta("run", "--lockstep", "--namespace", name, *extra, *assignments)
+        processes.furuta("run", "--lockstep", "--namespace", name, *assignments)
     for name, seed in seeds.items():
         expected = simulate(loop(load_settings([], [f"seed={seed}"])), SAMPLES * 0.001)
         np.testing.assert_array_equal(graphs[name].run(SAMPLES), expected.state)
     assert processes.run("param", "get", "/right/plant", "seed")[1].strip() == "2"
 
 
-@pytest.mark.parametrize(
-    "how",
-    ["run", *(pytest.param(how, marks=pytest.mark.long) for how in ("run --processes", "node"))],
-)
-def test_a_second_graph_does_not_start(processes: Any, how: str) -> None:
-    """Beside one in its namespace and domain; the first one goes on."""
+def test_a_second_graph_does_not_start(processes: Any) -> None:
+    """Beside one in its namespace and domain, until that one has ended, by a kill too."""
     first = processes.ready_node("plant")
-    if how == "node":
-        second = processes.node("plant")
-        _, err = second.communicate(timeout=60.0)
-        status = second.returncode
-    else:
-        status, _, err = processes.run(*how.split(), "--lockstep")
+    status, _, err = processes.run("run", "--lockstep")
     assert status == 1
     assert "a graph already runs in namespace / of ROS domain" in err
     assert first.poll() is None
-
-
-@pytest.mark.long
-def test_a_graph_starts_again_after_a_kill(processes: Any) -> None:
-    """At once: a kill ends its claim too."""
-    first = processes.ready_node("plant")
     first.send_signal(signal.SIGKILL)
     first.wait()
     status, out, err = processes.run("run", "--lockstep", "--seconds", "2")
     assert (status, out) == (0, "2000 samples, 2.000 s\n"), err
+
+
+def test_recorder_refuses(processes: Any) -> None:
+    """With the reason in one line."""
+    recorder = executable("furuta_recordings", "recorder")
+    process = processes.start(recorder, "--ros-args", "-p", "directory:=/dev/null")
+    _, err = process.communicate(timeout=120.0)
+    reason = "error: /dev/null already exists; name another directory for the bag\n"
+    assert (process.returncode, err) == (1, reason)

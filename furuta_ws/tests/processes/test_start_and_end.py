@@ -12,7 +12,6 @@ from processes.conftest import TIMEOUT, wait_for, wait_until_ready
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.graph.processes import executable
-from furuta_ros.process_start import own_arguments
 
 FURUTA = ("furuta_bringup", "furuta")
 SIGINT_BIT = 1 << (signal.SIGINT - 1)
@@ -23,8 +22,6 @@ INTERRUPTED = [
     (("furuta_sim", "plant"), "rclpy_pybind11"),
     ((*FURUTA, "run"), ""),
     ((*FURUTA, "simulate", "--seconds", "100000"), "llvmlite"),
-    pytest.param(("furuta_hw", "rig_emulator"), "_multiarray_umath", marks=pytest.mark.long),
-    pytest.param((*FURUTA, "param", "get", "nobody", "seed"), "_ctypes", marks=pytest.mark.long),
 ]
 BLOCKED_GRAPH = """
 import ctypes, sys
@@ -126,21 +123,14 @@ def test_a_bogus_option_is_one_sentence(processes: Any, name: tuple[str, str]) -
     assert "--bogus" in err
 
 
-def test_ros_arguments_are_not_own_ones() -> None:
-    """Those from ``--ros-args`` to ``--`` or to the end are for ROS."""
-    given = ["--a", "--ros-args", "-p", "seed:=1", "--", "b", "--ros-args", "-r", "__ns:=/left"]
-    assert own_arguments(given) == ["--a", "b"]
-
-
-@pytest.mark.parametrize("goal", ["inactive", "active"])
-def test_a_bridge_without_a_rig_is_not_ready(processes: Any, goal: str) -> None:
+def test_a_bridge_without_a_rig_is_not_ready(processes: Any) -> None:
     """It gives the reason instead, and waits to be configured again."""
-    process = processes.node("hardware_bridge", f"autostart:={goal}", "port:=/dev/nowhere")
+    process = processes.node("hardware_bridge", "autostart:=active", "port:=/dev/nowhere")
     lines = []
     while "not ready" not in (lines or [""])[-1]:
         lines.append(process.stderr.readline())
         assert lines[-1], "".join(lines)
-    assert f"not ready: unconfigured instead of {goal}: " in lines[-1]
+    assert "not ready: unconfigured instead of active: " in lines[-1]
     assert "/dev/nowhere" in lines[-1]
     process.send_signal(signal.SIGTERM)
     status, _, err = end_of(process)

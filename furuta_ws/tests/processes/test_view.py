@@ -1,6 +1,5 @@
 """``furuta view`` as a user has it: the page of a running graph in a headless Chromium."""
 
-import json
 import os
 import re
 import signal
@@ -13,7 +12,6 @@ import pytest
 from browser import Page, open_browser
 
 from furuta_bringup.page.guided_scenes import guided_steps
-from furuta_bringup.page.simulation_controls import RESET
 
 pytestmark = pytest.mark.timeout(900)
 
@@ -113,48 +111,16 @@ def measured(page: Page, step: str) -> float:
 
 
 @pytest.mark.long
-def test_narrow_page_leads_through_a_scene_and_says_a_fall(
-    processes: Any, furuta: Any, browser: Any
-) -> None:
-    """What is measured is what is predicted; pendulum, chart and way back are in sight."""
+def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
+    """Each to its end; what is measured agrees with the text, and free play restores everything.
+
+    On a narrow page, which still shows the chart.
+    """
     process, address = started(processes, "--", "--lockstep")
     page = browser(address, *NARROW)
     page.wait(lambda: arm_size(page) > 0.4, "the limit cycle")
     chart = page.page.locator(".uplot").first.bounding_box()
     assert chart["y"] + chart["height"] <= NARROW[1]
-
-    page.choose("scene", "2 Predict it")
-    assert measured(page, "feedback as it is") == pytest.approx(0.511, rel=0.02)
-    assert page.figures()["exact, uncompensated"] == "0.511 rad, 2.37 s"
-    _, out, _ = furuta("limit-cycle", "--predict", "--json")
-    (cycle,) = json.loads(out)["cycles"]
-    predicted = f"{cycle['phi_peak_to_peak_rad']:.3f} rad, {cycle['period_s']:.2f} s"
-    assert page.figures()["describing function"] == predicted
-    page.press("next")
-    page.wait(lambda: parameter(furuta, "controller", "omega1") == "10.5", "faster poles")
-    page.press("free play")
-    page.wait(lambda: parameter(furuta, "controller", "omega1") == "7.0", "the poles before")
-
-    assert not page.text(".fallen")
-    furuta("param", "set", "controller", "enabled", "false")
-    page.wait(lambda: "has fallen" in page.text(".fallen"), "a word of the fall")
-    assert page.serious_violations(".fallen, .status, .scene") == []
-    furuta("param", "set", "controller", "enabled", "true")
-    assert page.page.get_by_role("button", name=RESET).count()  # of the controls are folded away
-    page.page.keyboard.press("r")
-    page.wait(lambda: not page.text(".fallen"), "upright")
-    assert page.errors == []
-    process.send_signal(signal.SIGINT)
-    assert process.wait(60) == 0
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("shape", [(1280, 800), NARROW])
-def test_all_scenes(processes: Any, furuta: Any, browser: Any, shape: tuple[int, int]) -> None:
-    """Each to its end; what is measured agrees with the text, and free play restores everything."""
-    process, address = started(processes, "--", "--lockstep")
-    page = browser(address, *shape)
-    page.wait(lambda: arm_size(page) > 0.4, "the limit cycle")
     before = [furuta("param", "list", node)[1] for node in NODES_OF_SCENES]
     sizes = {}
     steps = guided_steps()
@@ -168,6 +134,7 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any, shape: tuple[int,
             assert sizes[step.name] == pytest.approx(size(exact), rel=0.02)
         if step.name == "push on the pendulum":
             page.wait(lambda: "has fallen" in page.text(".fallen"), "a word of the fall")
+            assert page.serious_violations(".fallen, .status, .scene") == []
         elif step.push:
             page.wait(lambda step=step: measured(page, step.name) < ENCODER_COUNT, "recovery")
         page.press("next")

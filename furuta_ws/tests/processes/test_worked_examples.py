@@ -142,15 +142,6 @@ def test_controller_mode(extended: Path) -> None:
 
 
 @pytest.mark.long
-def test_rig_driver(extended: Path, tmp_path: Path) -> None:
-    """The commissioning verbs read the rig through the new driver, found by its name."""
-    rig = tmp_path / "ascii.yaml"
-    rig.write_text("line: {driver: ascii_lines}")
-    read = run(extended, "hw", "check", "--port", "mock", "--rig", rig, "--seconds", 0.5, "--json")
-    assert json.loads(read)["samples"] == 500
-
-
-@pytest.mark.long
 def test_rig(extended: Path) -> None:
     """The new rig is found and has its own model."""
     rig = extended / "furuta_ws" / "config" / "rigs" / "my_rig.yaml"
