@@ -139,14 +139,6 @@ def test_a_silent_rig_is_restarted(line: Line) -> None:
     assert not line.connection.connected
 
 
-def test_a_line_that_does_not_accept_data_is_closed(line: Line) -> None:
-    """After an attempt to stop the rig."""
-    line.driver.failing = "drive"
-    with pytest.raises(LineError, match="drive failed"):
-        line.connection.drive(1.0)
-    assert line.driver.calls == ["open", "drive", "stop", "close"]
-
-
 def test_a_rig_is_not_armed_again_after_a_failure(line: Line) -> None:
     """The line recovers by itself; the rig stays at 0 V until it is armed by hand."""
     reasons: list[str] = []

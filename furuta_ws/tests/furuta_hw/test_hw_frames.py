@@ -121,14 +121,6 @@ def test_a_reader_finds_the_valid_frames(
     assert found[-1] == last
 
 
-def test_a_stream_without_zeros_is_discarded() -> None:
-    """It uses no memory and is counted once."""
-    reader = FrameReader()
-    for _ in range(1000):
-        assert [*reader.read(b"\x01" * 100)] == []
-    assert reader.corrupt == 1
-
-
 @given(st.integers(0, 2**32 - 1), st.integers(1, 2**31 - 1))
 def test_sample_numbers_wrap_around(sample: int, later: int) -> None:
     """32 bits last 50 days at 1 kHz."""

@@ -9,7 +9,6 @@ import pytest
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import Uncertainty, changed_rig
-from furuta_model.parameters import ParameterError
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
 
 RIG = Rig()._replace(
@@ -19,12 +18,6 @@ UNCERTAINTY = Uncertainty(
     ("beta", "alpha0", "delay"),
     np.array([[0.01, 1.8e-3, 0.0], [1.8e-3, 4e-4, 0.0], [0.0, 0.0, 1e-6]]),
 )
-
-
-def drawn_rigs(rig: Rig, uncertainty: Uncertainty, count: int, seed: int) -> list[Rig]:
-    """Random rigs that are as likely as the uncertainty says."""
-    changes = uncertainty.draws(count, np.random.default_rng(seed))
-    return [changed_rig(rig, uncertainty.names, change) for change in changes]
 
 
 def test_a_rig_file_is_read_as_written(tmp_path: Path) -> None:
@@ -43,7 +36,8 @@ def test_a_rig_file_is_read_as_written(tmp_path: Path) -> None:
 
 def test_draws_have_the_covariance() -> None:
     """β is drawn by its logarithm; no delay is negative; α keeps the arm's own inertia."""
-    rigs = drawn_rigs(RIG, UNCERTAINTY, 2000, seed=3)
+    changes = UNCERTAINTY.draws(2000, np.random.default_rng(3))
+    rigs = [changed_rig(RIG, UNCERTAINTY.names, change) for change in changes]
     beta = np.array([log(each.model.beta / RIG.model.beta) for each in rigs])
     level = np.array([each.friction.alpha0 - RIG.friction.alpha0 for each in rigs])
     drawn = np.cov(beta, level)
@@ -51,19 +45,3 @@ def test_draws_have_the_covariance() -> None:
     assert all(each.model.determinant > 0.0 and each.drive.delay >= 0.0 for each in rigs)
     inertia = {round(r.model.alpha - r.model.gamma**2 / r.model.beta, 12) for r in rigs}
     assert len(inertia) == 1
-
-
-def test_waves_are_uncertain(tmp_path: Path) -> None:
-    """Their amplitudes are drawn; those of a wave that the rig does not have are refused."""
-    file = tmp_path / "rig.yaml"
-    given = Uncertainty(("wave14_sin", "wave1_cos"), np.diag([1e-4, 0.0]))
-    file.write_text(rig_file_text(RIG, given, "a rig"))
-    rig, uncertainty = load_uncertain_rig(file)
-    waves = [each.waves for each in drawn_rigs(rig, uncertainty, 500, seed=1)]
-    assert np.std([each.sine[1] for each in waves]) == pytest.approx(0.01, rel=0.1)
-    assert {(each.orders, each.cosine, each.sine[0]) for each in waves} == {
-        ((1.0, 14.0), (0.01, 0.02), 0.0)
-    }
-    file.write_text(file.read_text().replace("wave14_sin", "wave15_sin"))
-    with pytest.raises(ParameterError, match=r"unknown wave15_sin; known are .*wave14_sin"):
-        load_rig(file)
