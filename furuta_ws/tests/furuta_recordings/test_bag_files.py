@@ -22,7 +22,6 @@ from furuta_recordings.bags import writer as module
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.recovery import recover
-from furuta_recordings.bags.series import read_series
 from furuta_recordings.bags.writer import BagWriter
 from furuta_recordings.readers import Mapping, read, read_axis
 from furuta_ros.errors import UserError
@@ -105,9 +104,9 @@ def test_a_closed_bag_is_complete(tmp_path: Path) -> None:
         assert {c.topic: c.msgcount for c in bag.connections} == {"/a": 127, "/b": 127}
 
 
-@pytest.mark.parametrize("flushes", [2, 10])
-def test_sigkill_while_writing(tmp_path: Path, flushes: int) -> None:
+def test_sigkill_while_writing(tmp_path: Path) -> None:
     """A writer that writes without pause is killed: every complete message is recovered."""
+    flushes = 10
     bag = tmp_path / "bag"
     child = subprocess.Popen(
         [sys.executable, "-c", WRITE_FOR_EVER, str(bag)], stdout=subprocess.PIPE, text=True
@@ -128,7 +127,7 @@ def test_sigkill_while_writing(tmp_path: Path, flushes: int) -> None:
         assert [next(messages)[2].log_time for _ in range(kept)] == list(range(kept))
 
 
-@pytest.mark.parametrize("part", [0.0, 0.1, 0.3, 0.6, 0.95])
+@pytest.mark.parametrize("part", [0.0, 0.6])
 def test_recover_truncated(tmp_path: Path, part: float) -> None:
     """A truncated file is refused; the chunks before the cut are recovered, if there is one."""
     file = written(tmp_path / "bag") / "bag_0.mcap"
@@ -202,24 +201,11 @@ def test_a_recorder_does_not_wait_for_a_slow_disk(
     assert times(writer.path) == [0, 1]
 
 
-def test_a_bag_that_cannot_be_created(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("not a directory")
-    for path, reason in (
-        (tmp_path, "already exists"),
-        (tmp_path / "file" / "bag", "file: File exists"),
-    ):
-        with pytest.raises(ParameterError, match=reason) as error:
-            BagWriter(path, TOPICS, {})
-        assert "\n" not in str(error.value)
-
-
 @pytest.mark.parametrize(
     ("plugin", "mode"),
     [
         (None, CompressionMode.NONE),
         (StoragePlugin.SQLITE3, CompressionMode.NONE),
-        (StoragePlugin.MCAP, CompressionMode.NONE),
-        (StoragePlugin.MCAP, CompressionMode.FILE),
         (StoragePlugin.MCAP, CompressionMode.MESSAGE),
     ],
 )
@@ -243,10 +229,8 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.mcap").write_text("no bag" * 20)
     for path, words in (
-        (tmp_path / "none", "no bag"),
         (tmp_path / "empty", "it has no metadata.yaml"),
         (tmp_path / "text.mcap", "File magic is invalid"),
-        (Path(__file__), "Unrecognized storage format '.py'"),
     ):
         with pytest.raises(ParameterError, match=words) as error:
             times(path)
@@ -260,16 +244,6 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
         for path in (bag, bag / "sqlite.db3"):
             with pytest.raises(ParameterError, match="wal holds messages; `sqlite3 "):
                 times(path)
-
-
-def test_more_messages_than_fit_into_memory(tmp_path: Path, monkeypatch: Any) -> None:
-    monkeypatch.setattr("furuta_recordings.bags.series.MOST_IN_MEMORY", 400)
-    reason = "500 messages on /a, at most 400 fit"
-    with (
-        Bag(written(tmp_path / "bag")) as opened,
-        pytest.raises(ParameterError, match=reason),
-    ):
-        read_series(opened, ["/a"])
 
 
 BEGIN, BOOT = 1_700_000_000_000_000_000, 7_000_000_000
@@ -316,32 +290,6 @@ def test_stamps_and_times_of_arrival_are_not_mixed(
     np.testing.assert_allclose(found.time, 0.01 * np.arange(200) + delay, atol=1e-9)
     np.testing.assert_allclose(found.command_time, 0.01 * np.arange(200) + 0.002, atol=1e-9)
     assert any("times of arrival used for both" in text for text in found.findings) == apart
-
-
-def test_joints_of_all_messages(tmp_path: Path) -> None:
-    """Another joint comes first, and arm and pendulum in turn."""
-    messages: list[Any] = [(BEGIN, BEGIN, {"gripper": (5.0,)})]
-    for k in range(400):
-        at = BEGIN + k * STEP
-        joint = {"pendulum": (0.02 * k,)} if k % 2 else {"arm": (0.01 * k,)}
-        messages.append((at, at, joint))
-        messages.append((at, 0, float(k)))
-    bag = joint_bag(tmp_path / "bag", messages)
-    found = read(bag, Mapping())
-    np.testing.assert_allclose(found.measured[:, 0], 0.01 * np.arange(2, 400, 2))
-    np.testing.assert_allclose(found.measured[:, 2], 2.0 * found.measured[:, 0])
-    with pytest.raises(ParameterError, match="no joint elbow; it has gripper, arm, pendulum"):
-        read(bag, Mapping(arm="elbow"))
-
-
-def test_a_bag_in_the_working_directory_has_a_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    messages: list[Any] = [
-        (BEGIN + k * STEP, 0, {"arm": (0.1,), "pendulum": (0.2,)}) for k in range(3)
-    ]
-    monkeypatch.chdir(joint_bag(tmp_path / "bag", [*messages, (BEGIN, 0, 1.0)]))
-    assert read(Path(), Mapping()).name == "bag"
 
 
 def test_an_axis_from_a_bag(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from furuta_recordings.recorder_node import (
     RecorderNode,
     chosen_topics,
 )
-from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, TIMING, TOPICS, Topic
+from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, Topic
 
 X = (0.1, 0.2, 0.3, 0.4)
 
@@ -56,19 +56,13 @@ def test_messages_stay_in_order(bench: Any, tmp_path: Path) -> None:
 
 
 def test_only_chosen_topics(bench: Any, tmp_path: Path) -> None:
-    """No other topic is recorded; closing collects what is left."""
+    """No other topic is recorded; closing collects what is left; an unknown one is refused."""
+    with pytest.raises(ParameterError, match=f"no topic elbow.*{GROUND_TRUTH.name}"):
+        chosen_topics(["elbow"])
     recorder = RecorderNode(tmp_path / "bag", topics=chosen_topics(["/command"]))
     publish(bench, 5, (COMMAND,))
     recorder.destroy_node()
     assert [topic for topic, _, _ in read(tmp_path / "bag")] == ["/command"] * 5
-
-
-def test_topics_by_name() -> None:
-    """Without names those of the graph; for an unknown one the message lists all."""
-    assert chosen_topics([]) == TOPICS
-    assert chosen_topics(["timing", "ground_truth"]) == (TIMING, GROUND_TRUTH)
-    with pytest.raises(ParameterError, match=f"no topic elbow.*{GROUND_TRUTH.name}"):
-        chosen_topics(["elbow"])
 
 
 def test_changes_of_parameters_are_recorded(bench: Any, tmp_path: Path) -> None:
@@ -168,8 +162,3 @@ def test_metadata_is_what_rosbag2_jazzy_writes(bench: Any, tmp_path: Path) -> No
         assert {c.topic: c.ext for c in bag.connections} == {
             c.topic: c.ext for c in file.connections
         }
-        durabilities = {
-            c.topic: c.ext.offered_qos_profiles[0].durability.name for c in bag.connections
-        }
-    assert durabilities["/rosout"] == "TRANSIENT_LOCAL"
-    assert durabilities["/parameter_events"] == "VOLATILE"

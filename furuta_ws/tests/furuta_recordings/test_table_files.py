@@ -1,7 +1,6 @@
 """Tables of series: written and read in every format, and refused with one line."""
 
 import csv
-import sys
 from math import isnan, nan
 from pathlib import Path
 from typing import Any
@@ -42,7 +41,7 @@ def test_other_programs_read_them(tmp_path: Path) -> None:
     assert loadmat(tmp_path / "table.mat")["time_s"].shape == (3, 1)
 
 
-@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".mat", ".npz"])
+@pytest.mark.parametrize("suffix", [".parquet", ".mat", ".npz"])
 def test_a_file_of_another_kind_is_one_line(tmp_path: Path, suffix: str) -> None:
     """Whatever the library raises."""
     if suffix == ".parquet":
@@ -69,17 +68,3 @@ def test_pickles_and_huge_series_are_refused(tmp_path: Path, monkeypatch: Any) -
     for suffix in (".npz", ".mat", ".parquet"):
         with pytest.raises(ParameterError, match=r"holds 16\d\d\d bytes, at most 15999 are read"):
             read_columns(tmp_path / f"large{suffix}")
-
-
-def test_bad_calls(tmp_path: Path, monkeypatch: Any) -> None:
-    """Unknown suffix, missing file, unequal lengths, no pyarrow."""
-    with pytest.raises(ParameterError, match=r"does not end in .csv, .parquet, .mat, .npz"):
-        write_columns(tmp_path / "table.xlsx", COLUMNS)
-    with pytest.raises(ParameterError, match="no file"):
-        read_columns(tmp_path / "missing.csv")
-    with pytest.raises(ParameterError, match="one and the same length"):
-        write_columns(tmp_path / "table.csv", {"a": np.zeros(2), "b": np.zeros(3)})
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with pytest.raises(ParameterError, match="need pyarrow"):
-        write_columns(tmp_path / "table.parquet", COLUMNS)
-    assert not list(tmp_path.glob("table.*"))

@@ -10,13 +10,7 @@ from furuta_ros.yaml_files import DEEPEST_NESTING, parse_yaml, read_yaml
 
 
 @pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "a: {b: [1, 2.5, off, null]}",
-        "[" * DEEPEST_NESTING + "]" * DEEPEST_NESTING,
-        "notes: '" + "1" * 5000 + "'",
-    ],
+    "text", ["a: {b: [1, 2.5, off, null]}", "[" * DEEPEST_NESTING + "]" * DEEPEST_NESTING]
 )
 def test_ordinary_text_is_read_as_before(text: str) -> None:
     assert parse_yaml(text, "file") == yaml.safe_load(text)
@@ -27,11 +21,8 @@ def test_ordinary_text_is_read_as_before(text: str) -> None:
     [
         ("[" * 200_000, f"nested deeper than {DEEPEST_NESTING} levels in line 1"),
         ("a: &x 1\nb: *x", r"\*x is an alias, write its value in line 2"),
-        ("a: 2020-99-99", "month must be in 1..12"),
-        ("a: !!bool maybe", ""),
         ("a: !!python/object/apply:os.getcwd []", ".* in line 1"),
         ("a: [1\n", ".* in line 2"),
-        ("? [a]\n: 1", "found unhashable key in line 1"),
         ("a: {b: 1, b: 2}", "b is given twice in line 1"),
     ],
 )
