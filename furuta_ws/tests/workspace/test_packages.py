@@ -5,7 +5,6 @@ import os
 import stat
 import subprocess
 import sys
-from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from importlib.util import find_spec
 from pathlib import Path
@@ -29,12 +28,6 @@ LAYERS = [
     {"furuta_hw"},
     {"furuta", "furuta_description"},
     {"furuta_bringup"},
-]
-EXECUTABLES = [
-    *((node.package, node.executable) for node in NODES.values()),
-    ("furuta_hw", "rig_emulator"),
-    ("furuta_recordings", "recorder"),
-    ("furuta_bringup", "furuta"),
 ]
 # Modules that know ROS; every other module of the workspace is pure.
 ROS_MODULES = {
@@ -60,14 +53,6 @@ def module_name(file: Path) -> str:
     return ".".join(file.relative_to(SOURCES).with_suffix("").parts[1:]).removesuffix(".__init__")
 
 
-def room_of(name: str) -> str | None:
-    """The subpackage of a module; None for a module that is in none."""
-    package, _, rest = name.partition(".")
-    room = rest.partition(".")[0]
-    is_room = room and (SOURCES / package / package / room).is_dir()
-    return f"{package}.{room}" if is_room else None
-
-
 def imported_modules(file: Path) -> set[str]:
     """Full names that a file imports, for types too."""
     names = set()
@@ -77,20 +62,6 @@ def imported_modules(file: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
     return names
-
-
-@cache
-def import_graph() -> dict[str, set[str]]:
-    """The modules of the workspace, each with those that it imports."""
-    files = {module_name(file): file for package in PACKAGES for file in modules(package)}
-    return {name: imported_modules(file) & set(files) - {name} for name, file in files.items()}
-
-
-def assert_no_circle(graph: dict[str, set[str]]) -> None:
-    try:
-        TopologicalSorter(graph).prepare()
-    except CycleError as error:
-        pytest.fail("import circle: " + " imports ".join(reversed(error.args[1])))
 
 
 def test_colcon_takes_every_package_for_ament_python() -> None:
@@ -105,37 +76,33 @@ def test_colcon_takes_every_package_for_ament_python() -> None:
     assert types == dict.fromkeys(PACKAGES, "(ros.ament_python)")
 
 
-@pytest.mark.parametrize(("package", "name"), EXECUTABLES)
-def test_executables_are_where_ros2_run_looks(package: str, name: str) -> None:
-    """In lib/<package>, executable."""
-    path = executable(package, name)
-    assert path.parent.name == package
+@pytest.mark.parametrize("name", NODES)
+def test_nodes_are_where_ros2_run_looks(name: str) -> None:
+    """Executable in lib/<package>, which has the class too."""
+    node = NODES[name]
+    path = executable(node.package, node.executable)
+    assert path.parent.name == node.package
     assert path.stat().st_mode & stat.S_IXUSR
+    assert node.load_class().__module__.partition(".")[0] == node.package
 
 
-@pytest.mark.parametrize("package", PACKAGES)
-def test_packages_import_downward_only(package: str) -> None:
+def test_packages_import_downward_only() -> None:
     """No package knows one above it or beside it."""
-    level = next(i for i, layer in enumerate(LAYERS) if package in layer)
-    allowed = set().union({package}, *LAYERS[:level])
-    for file in modules(package):
-        assert imports(file) & set(PACKAGES) <= allowed, file
+    for level, layer in enumerate(LAYERS):
+        for package in layer:
+            allowed = set().union({package}, *LAYERS[:level])
+            for file in modules(package):
+                assert imports(file) & set(PACKAGES) <= allowed, file
 
 
 def test_modules_form_no_circle() -> None:
     """No module imports one that imports it, directly or through others, not even for types."""
-    assert_no_circle(import_graph())
-
-
-def test_rooms_form_no_circle() -> None:
-    """No subpackage uses one that uses it, not even for types."""
-    rooms: dict[str, set[str]] = {}
-    for name, imported in import_graph().items():
-        others = {room_of(each) for each in imported} - {room_of(name), None}
-        if room_of(name) is not None:
-            rooms.setdefault(room_of(name), set()).update(others)
-    assert {"furuta.identification", "furuta_bringup.page", "furuta_recordings.bags"} <= set(rooms)
-    assert_no_circle(rooms)
+    files = {module_name(file): file for package in PACKAGES for file in modules(package)}
+    graph = {name: imported_modules(file) & set(files) - {name} for name, file in files.items()}
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        pytest.fail("import circle: " + " imports ".join(reversed(error.args[1])))
 
 
 def test_cores_load_no_ros() -> None:
