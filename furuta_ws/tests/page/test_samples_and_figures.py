@@ -1,7 +1,7 @@
 """Samples, figures, sliders, pacing and jobs of the page, without a browser and without ROS."""
 
 import threading
-from math import inf, pi
+from math import pi
 
 import numpy as np
 import pytest
@@ -11,7 +11,6 @@ from furuta_bringup.page.figures import figures
 from furuta_bringup.page.jobs import Jobs
 from furuta_bringup.page.parameter_panel import Described, slider_range
 from furuta_bringup.page.samples import COLUMNS, PHI, THETA, TIME, Samples
-from furuta_bringup.page.simulation_controls import FOREVER, Pacer
 from furuta_model.parameters import ParameterError
 
 
@@ -48,23 +47,12 @@ def test_figures_of_a_sine() -> None:
     assert figures(rows, 250) == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("value", "low", "high", "expected"),
-    [
-        (0.21, 0.0, 100.0, (0.0, 0.7)),  # a few times the value, not the whole range
-        (0.0, -1.0, 1.0, (-1.0, 1.0)),  # the whole range
-        (-2.0, -inf, inf, (-6.0, 6.0)),
-        (4, 1, 8, (1, 8)),
-    ],
-)
-def test_slider_reaches_useful_values(
-    value: float, low: float, high: float, expected: tuple[float, float]
-) -> None:
-    """Never beyond what the node allows; whole numbers stay whole."""
-    *ends, step = slider_range(value, low, high)
-    assert ends == pytest.approx(expected)
-    assert 0.0 < step <= ends[1] - ends[0]
-    assert isinstance(step, type(value))
+def test_slider_reaches_useful_values() -> None:
+    """A few times the value, not the whole range; whole numbers stay whole."""
+    assert slider_range(0.21, 0.0, 100.0)[:2] == pytest.approx((0.0, 0.7))
+    low, high, step = slider_range(4, 1, 8)
+    assert (low, high) == (1, 8)
+    assert isinstance(step, int)
 
 
 def test_parameter_is_described_by_its_services_alone() -> None:
@@ -78,17 +66,6 @@ def test_parameter_is_described_by_its_services_alone() -> None:
     assert gain.parsed("[1, 2.5]") == [1.0, 2.5]
     with pytest.raises(ParameterError, match="gain must be a list of numbers, given 'high'"):
         gain.parsed("high")
-
-
-def test_pacer_keeps_the_speed() -> None:
-    """Half speed: half a second of the plant in a second; paused: none; fastest: no end."""
-    pacer = Pacer()
-    assert pacer.run_until(0.0, 5.0) == FOREVER
-    pacer.speed = 0.5
-    untils = [pacer.run_until(0.1 * k, 5.0 + 0.05 * k) for k in range(1, 11)]
-    assert untils[-1] - untils[0] == pytest.approx(0.45)
-    pacer.speed = 0.0
-    assert pacer.run_until(2.0, 6.0) == pacer.run_until(9.0, 6.0) == 6.0
 
 
 def test_only_the_newest_of_waiting_jobs_runs() -> None:
