@@ -7,7 +7,7 @@ import pytest
 
 from furuta.lanes.batch import batch
 from furuta.oscillation import measure_oscillation
-from furuta.outcomes import SETTLED, Outcome, outcome
+from furuta.outcomes import Outcome, outcome
 from furuta_control.control import ControllerParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
@@ -36,17 +36,16 @@ def bits(outcomes: Iterator[Outcome] | list[Outcome]) -> list[bytes]:
     return [np.array(each, dtype=float).tobytes() for each in outcomes]
 
 
-@pytest.mark.parametrize("workers", [1, 2, 5])
-def test_outcomes_depend_on_their_own_parameters_alone(workers: int) -> None:
+def test_outcomes_depend_on_their_own_parameters_alone() -> None:
     """Not on the number of workers, nor on the size and order of the batch."""
     alone = bits([outcome(loop, SECONDS) for loop in loops(23)])
     assert len(set(alone)) == 23
-    assert bits(batch(loops(23), SECONDS, workers=workers)) == alone
-    assert bits(batch(loops(23)[::-1], SECONDS, workers=workers)) == alone[::-1]
-    assert bits(batch(loops(4), SECONDS, workers=workers)) == alone[:4]
+    assert bits(batch(loops(23), SECONDS, workers=1)) == alone
+    assert bits(batch(loops(23)[::-1], SECONDS, workers=5)) == alone[::-1]
+    assert bits(batch(loops(4), SECONDS, workers=2)) == alone[:4]
 
 
-@pytest.mark.parametrize("kind", ["none", "coulomb", "lugre"])
+@pytest.mark.parametrize("kind", ["none", "lugre"])
 def test_outcome_equals_that_of_the_series(kind: str) -> None:
     """Values measured during the run equal those computed from the recorded series."""
     loop = Loop(observer=ObserverParameters(compensation=kind))
@@ -67,22 +66,6 @@ def test_outcome_equals_that_of_the_series(kind: str) -> None:
     if kind == "none":
         # The midpoint comes from an earlier part of the run and differs by a few milliradians.
         assert found.period_s == pytest.approx(expected.period_s, rel=1e-3)
-
-
-def test_batch_consumes_its_loops_step_by_step() -> None:
-    """The first outcomes of an endless study are available."""
-    drawn = []
-
-    def endless() -> Iterator[Loop]:
-        while True:
-            drawn.append(len(drawn))
-            yield Loop(PlantParameters(seed=len(drawn)))
-
-    results = batch(endless(), 0.01, SETTLED, workers=2)
-    for _ in range(5):
-        next(results)
-    results.close()
-    assert len(drawn) < 20
 
 
 def test_failure_of_a_run_is_raised() -> None:

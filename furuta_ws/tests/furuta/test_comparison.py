@@ -42,21 +42,9 @@ def test_named_rigs_change_the_plant() -> None:
         assert bool(changed) == (rig.name != "nominal"), rig.name
 
 
-def test_factors_apply_to_the_settings() -> None:
-    settings = load_settings([], ["plant.friction.alpha0=0.5"])
-    (rig,) = (rig for rig in named_rigs(settings) if rig.name == "levels x 0.7")
-    assert rig.plant(settings).friction.parameters.alpha0 == pytest.approx(0.35)
-
-
-@pytest.mark.parametrize(
-    "rigs",
-    [
-        RandomRigs(SETTINGS, 12, 7, ALL),
-        RandomRigs(SETTINGS, 12, 7, ALL, uncertainty=STATED),
-    ],
-)
-def test_random_rig_is_the_same_in_any_number(rigs: RandomRigs) -> None:
+def test_random_rig_is_the_same_in_any_number() -> None:
     """Another seed has others, as have those to train on."""
+    rigs = RandomRigs(SETTINGS, 12, 7, ALL, uncertainty=STATED)
     many = list(rigs)
     assert len({rig.plant(SETTINGS) for rig in many}) == len(rigs) == 12
     assert list(replace(rigs, size=4)) == many[:4]
@@ -95,14 +83,6 @@ def test_rigs_are_as_uncertain_as_a_rig_file_says() -> None:
     stiffness = np.log([friction.sigma0 / NOMINAL["friction.sigma0"] for friction in drawn])
     assert levels.mean() == pytest.approx(0.4, abs=0.002)
     assert np.cov(levels, stiffness) == pytest.approx(STATED.covariance, rel=0.15)
-
-
-def test_uncertain_torque_waves_vary() -> None:
-    waves = ["plant.waves.orders=[14]", "plant.waves.cosine=[0.1]", "plant.waves.sine=[0.0]"]
-    settings = load_settings([], waves)
-    uncertain = Uncertainty(("wave14_cos",), np.array([[0.01**2]]))
-    drawn = [rig.plant(settings).waves for rig in RandomRigs(settings, 50, uncertainty=uncertain)]
-    assert np.std([each.cosine[0] for each in drawn]) == pytest.approx(0.01, rel=0.3)
 
 
 def test_rows_are_those_of_single_runs() -> None:
@@ -152,17 +132,11 @@ def test_candidates_are_parsed() -> None:
     ("text", "reason"),
     [
         ("nothing", "one of none"),
-        ("a=", "expected NAME="),
         ("compensation=lugre", "expected PARAMETER=VALUE"),
-        ("a=alpho0=1", "no parameter alpho0"),
         ("a=alpha0=-1", "alpha0 must be"),
         ("a=plant.friction.alpha0=1", "only the plant"),
-        ("a=encoder_counts=500,estimator.sample_time=0.002", "sample_time"),
-        ("a=compensation=0:1", "compensation must be one of"),
     ],
 )
 def test_bad_candidates_are_rejected(text: str, reason: str) -> None:
     with pytest.raises(ParameterError, match=reason):
         parse_candidates([text], SETTINGS)
-    with pytest.raises(ParameterError, match="only once"):
-        parse_candidates(["lugre", "lugre=sigma0=1"], SETTINGS)

@@ -43,11 +43,6 @@ IDEAL = (
     "excitation.excursion_limit=1000",
     "excitation.speed_limit=1000",
 )
-SMALL = (
-    *("alpha=.1179", "beta=.01126", "gamma=.02448", "delta=.2462", "sigma0=14.19", "sigma1=1.849"),
-    *("alpha0=.01215", "alpha1=.00569", "stribeck_velocity=.0911", "asymmetry=-.557"),
-    *("omega1=6.402", "zeta1=.6874", "omega2=11.02", "zeta2=.4434"),
-)
 Gains = tuple[float, float, float, float]
 
 
@@ -96,36 +91,6 @@ def test_growth_rate_at_rest_is_that_of_a_disturbance() -> None:
         for seconds in (0.3, 0.5)
     ]
     assert np.log(tilts[1] / tilts[0]) / 0.2 == pytest.approx(stability.growth_rate, rel=0.01)
-
-
-def test_a_soft_bristle_has_a_stable_rest_and_a_stiff_one_has_none() -> None:
-    """The limit is the feedback of φ: only with a softer bristle a disturbance decays."""
-    given = ideal()
-    for factor, stable in ((0.5, True), (0.99, True), (1.01, False), (10.0, False)):
-        friction = given.law.parameters._replace(sigma0=factor * given.l1, sigma1=0.1)
-        loop_ = given._replace(law=given.law._replace(parameters=friction))
-        assert (rest_stability(np.zeros(5), loop_).growth_rate < 0.0) == stable
-
-
-def test_a_cycle_that_passes_a_rest_closely_is_found() -> None:
-    motion = exact(feedback=(0.7, 0.50429, 7.68541, 1.36183))
-    assert motion.phi_peak_to_peak_rad == pytest.approx(0.66192, abs=5e-6)
-    assert motion.period_s == pytest.approx(29.39, abs=0.005)
-    assert motion.stable
-    assert 1e-12 < motion.rest_distance < 1e-9
-
-
-def test_a_cycle_smaller_than_the_deflection_of_the_bristle_is_found() -> None:
-    """An arm that never leaves presliding oscillates with 2.07 mrad."""
-    motion = exact(*SMALL)
-    assert motion.kind == "oscillation"
-    assert motion.phi_peak_to_peak_rad == pytest.approx(2.07e-3, abs=5e-6)
-
-
-@pytest.mark.long
-def test_a_slow_fall_is_followed_to_its_end() -> None:
-    """Just beyond the fold the pendulum falls after 127 s."""
-    assert exact("viscous=0.2096").kind == "unbounded"
 
 
 @pytest.mark.parametrize("law", ["coulomb", "stiction"])

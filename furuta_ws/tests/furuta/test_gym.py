@@ -44,24 +44,21 @@ def test_many_are_what_one_is(task: str) -> None:
 
 
 def test_vector_environment_follows_the_interface() -> None:
-    """Spaces, seeds, and a new episode in the step after the end of one."""
+    """Seeds, and a new episode in the step after the end of one."""
     envs = gymnasium.make_vec(
         TASKS["balance"], 6, vectorization_mode="vector_entry_point"
     ).unwrapped
     first, _ = envs.reset(seed=1)
     again, _ = envs.reset(seed=1)
     np.testing.assert_array_equal(first, again)
-    assert first in envs.observation_space
     push = np.ones((6, 1), np.float32)
     ended = np.zeros(6, bool)
     while not ended.any():
         before = ended
-        observations, rewards, ended, late, _ = envs.step(push)
-        assert observations in envs.observation_space
-        assert rewards.shape == ended.shape == late.shape == (6,)
+        _, _, ended, late, _ = envs.step(push)
         assert not (before | late).any()
         np.testing.assert_array_equal(ended, np.abs(envs.states[:, 2]) > FALL_ANGLE)
-    observations, rewards, fresh, _, _ = envs.step(push)
+    _, rewards, fresh, _, _ = envs.step(push)
     assert not fresh[ended].any()
     assert np.all(rewards[ended] == 0.0)
     assert np.all(np.abs(envs.states[ended, 2]) <= 0.1)
@@ -86,8 +83,8 @@ def test_rigs_move_as_the_simulated_plant() -> None:
     plants = random_plants(3, disturbances=("lag", "turn", "cogging"))
     envs = FurutaVectorEnv(3, plants=plants)
     envs.reset(seed=0, options={"plants": [2, 0, 1]})
-    start = envs.states.copy()
-    moved = [envs.states.copy() for _ in range(200) if envs.step(_volts(0.5, 3)) is not None]
+    start, push = envs.states.copy(), np.full((3, 1), 0.5 / VOLTAGE)
+    moved = [envs.states.copy() for _ in range(200) if envs.step(push) is not None]
     for k, number in enumerate((2, 0, 1)):
         initial = type(plants[number].initial)(*start[k].tolist())
         loop = furuta.Loop()._replace(plant=plants[number]._replace(initial=initial))
@@ -95,10 +92,6 @@ def test_rigs_move_as_the_simulated_plant() -> None:
         np.testing.assert_allclose(
             [row[k] for row in moved[:-1]], run.state[1:], rtol=0, atol=1e-12
         )
-
-
-def _volts(u: float, number: int) -> np.ndarray:
-    return np.full((number, 1), u / VOLTAGE, np.float64)
 
 
 def half_a_volt(memory: Any, x: Any, friction: float, p: Any) -> float:
@@ -110,12 +103,8 @@ def half_a_volt(memory: Any, x: Any, friction: float, p: Any) -> float:
     ("call", "reason"),
     [
         (lambda envs: FurutaEnv("juggle"), "task must be one of balance, swing_up"),
-        (lambda envs: FurutaVectorEnv(plants=[1]), "plants.0. must be PlantParameters, given 1"),
         (lambda envs: envs.reset(options={"plants": [0, 5]}), "2 indices from 0 to 2, given"),
-        (lambda envs: envs.reset(options={"plant": [0, 1]}), "only option is plants, given plant"),
-        (lambda envs: envs.reset(seed=[1, 2]), "seed must be an integer or None, given .1, 2."),
         (lambda envs: envs.step([[0.0], [np.nan]]), "each of 2 actions must be a finite number"),
-        (lambda envs: random_plants(2, disturbances=["x"]), "disturbances are delay, lag"),
     ],
 )
 def test_nonsense_is_refused_and_changes_nothing(call: Any, reason: str) -> None:

@@ -4,6 +4,7 @@
 """
 
 import os
+from itertools import product
 
 import numpy as np
 import pytest
@@ -13,19 +14,21 @@ from furuta.lanes.batch import batch
 from furuta.lanes.lanes import WIDTH, compile_stages, prepare, run_block
 from furuta.outcomes import SETTLED, Outcome, outcome
 from furuta_control.control import ControllerParameters
-from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
-from furuta_model.friction.parameters import Friction
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parts.motion import Cogging
 from furuta_model.parts.sensor_faults import SensorFaults
-from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
-from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
 
 RANDOM_LOOPS = int(os.environ.get("FURUTA_LANES", "0"))
+# Law, compensation, estimator and whether the sensors are ideal.
+EVERY = list(product(LAWS, COMPENSATIONS, METHODS, (False, True)))
+USUAL = [
+    ("lugre", "none", "kalman", True),
+    ("lugre", "none", "kalman", False),
+    ("lugre", "lugre", "kalman", False),
+]
 SECONDS = 2.0
-IDEAL = Sensors(ideal=True)
 
 
 def bits(found: list[Outcome]) -> list[bytes]:
@@ -33,46 +36,25 @@ def bits(found: list[Outcome]) -> list[bytes]:
     return [np.array(each, dtype=float).tobytes() for each in found]
 
 
-def in_lanes(loops: list[Loop], seconds: float) -> list[Outcome]:
-    """Outcomes of loops of one group, each of which must suit a lane."""
-    ready = [prepare(loop, seconds) for loop in loops]
-    assert all(each is not None and each.group == ready[0].group for each in ready if ready[0])
-    return run_block([each for each in ready if each is not None], SETTLED)
+def random_block(r: np.random.Generator, kind: tuple[str, str, str, bool]) -> list[Loop]:
+    """Random loops with one estimator, controller, converters and encoder."""
+    first, *others = (random_loop(r, *kind) for _ in range(WIDTH))
+    shared = {"sensors": first.plant.sensors, "actuator": first.plant.actuator}
+    return [first, *(first._replace(plant=each.plant._replace(**shared)) for each in others)]
 
 
-@pytest.mark.parametrize(
-    ("ideal", "compensation"), [(True, "none"), (False, "none"), (False, "lugre")]
-)
-def test_a_block_has_the_bits_of_single_runs(ideal: bool, compensation: str) -> None:
-    """Of loops that differ in everything that a block allows, with one that falls among them."""
-    sensors = IDEAL if ideal else Sensors()
-    loops = [
-        Loop(
-            PlantParameters(
-                FurutaPendulum(alpha=87 / 3074 * (1 + 0.01 * k)),
-                PlantFriction(parameters=Friction(sigma0=40.0 * (k + 1), alpha0=0.1 + 0.01 * k)),
-                sensors,
-                initial=InitialState(theta=1.2 if k == 3 else 0.01 * k),
-                seed=k,
-            ),
-            EstimatorParameters(sensors=sensors),
-            ObserverParameters(compensation=compensation),
-        )
-        for k in range(13)
-    ]
-    found = in_lanes(loops, SECONDS)
-    assert bits(found) == bits([outcome(loop, SECONDS) for loop in loops])
-    assert [each.fell for each in found].count(True) >= 1
-    assert len(set(bits(found))) == 13
-
-
-def test_the_lane_and_its_neighbours_do_not_matter() -> None:
-    """The same loop in every lane, and alone in a block, has one outcome."""
-    loop = Loop(PlantParameters(seed=5), observer=ObserverParameters(compensation="lugre"))
-    others = [loop._replace(plant=loop.plant._replace(seed=k)) for k in range(WIDTH - 1)]
-    [alone] = bits(in_lanes([loop], SECONDS))
-    assert bits(in_lanes([*others, loop], SECONDS))[-1] == alone
-    assert bits(in_lanes([loop, *others], SECONDS))[0] == alone
+@pytest.mark.parametrize("kind", EVERY if RANDOM_LOOPS else USUAL)
+def test_random_loops_have_the_bits_of_single_runs(kind: tuple[str, str, str, bool]) -> None:
+    """In blocks of loops that differ in everything that a block allows; some fall."""
+    r = np.random.default_rng(1)
+    for _ in range(-(-RANDOM_LOOPS // (len(EVERY) * WIDTH)) or 1):
+        loops = random_block(r, kind)
+        ready = [each for each in (prepare(loop, SECONDS) for loop in loops) if each is not None]
+        assert len(ready) == WIDTH and len({each.group for each in ready}) == 1
+        found = run_block(ready, SETTLED)
+        assert bits(found) == bits([outcome(loop, SECONDS) for loop in loops])
+        assert len(set(bits(found))) == WIDTH
+        assert any(each.fell for each in found)
 
 
 def test_loops_that_do_not_suit_a_lane_run_singly() -> None:
@@ -103,29 +85,3 @@ def test_batch_uses_lanes(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(list(batch(loops, SECONDS, workers=1))) == 200
     assert max(blocks) == WIDTH
     assert sum(blocks) > 180
-
-
-@pytest.mark.skipif(not RANDOM_LOOPS, reason="on demand: FURUTA_LANES=10000")
-def test_random_loops_have_the_bits_of_single_runs() -> None:
-    """Every law, compensation, estimator and kind of sensors; each in blocks and alone."""
-    r = np.random.default_rng(1)
-    kinds = [
-        (law, compensation, method, ideal)
-        for law in LAWS
-        for compensation in COMPENSATIONS
-        for method in METHODS
-        for ideal in (False, True)
-    ]
-    for kind in kinds:
-        ready: dict = {}  # type: ignore[type-arg]
-        for _ in range(-(-RANDOM_LOOPS // len(kinds))):
-            loop = random_loop(r, *kind)
-            prepared = prepare(loop, SECONDS)
-            assert prepared is not None
-            ready.setdefault(prepared.group, []).append((loop, prepared))
-        for members in ready.values():
-            for first in range(0, len(members), WIDTH):
-                block = members[first : first + WIDTH]
-                found = run_block([prepared for _, prepared in block], SETTLED)
-                alone = [outcome(loop, SECONDS) for loop, _ in block]
-                assert bits(found) == bits(alone), kind

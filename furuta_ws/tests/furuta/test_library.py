@@ -1,10 +1,8 @@
 """The library: what it loads, that its answers are right, and its errors."""
 
-import pickle
 import re
 import subprocess
 import sys
-from inspect import isfunction
 from math import inf, nan, pi
 from pathlib import Path
 from typing import Any
@@ -32,42 +30,10 @@ def test_example_of_the_docstring() -> None:
     assert not set(loaded.split()) & unused
 
 
-def test_names_are_loaded_when_they_are_used() -> None:
-    """A star gives all of them, a wrong name none."""
-    code = (
-        "import sys, furuta; print('numpy' in sys.modules, 'simulate' in dir(furuta));"
-        "from furuta import *; print(*sorted({*globals()} & {*furuta.__all__}))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == ["False True", " ".join(sorted(furuta.__all__))]
-    with pytest.raises(AttributeError, match="module 'furuta' has no attribute 'simulat'"):
-        furuta.simulat  # noqa: B018
-
-
-def test_a_function_checks_its_arguments_once() -> None:
-    """And pickle finds it by its name, with which processes share the work."""
-    for name in furuta.__all__:
-        value = getattr(furuta, name)
-        if isfunction(value):
-            assert pickle.loads(pickle.dumps(value)) is value
-            assert not hasattr(value.__wrapped__, "__wrapped__")
-
-
-@pytest.mark.parametrize("rig", ["paper", "qube_servo_2"])
-def test_linearized_loop_has_the_placed_poles(rig: str) -> None:
+def test_linearized_loop_has_the_placed_poles() -> None:
     """Also with viscous friction, of which pole placement knows."""
-    poles = furuta.linearize(furuta.make_loop({"omega1": 9.0}, rig=rig)).poles()
+    poles = furuta.linearize(furuta.make_loop({"omega1": 9.0}, rig="qube_servo_2")).poles()
     assert sorted(np.abs(poles)) == pytest.approx([5.0, 5.0, 9.0, 9.0])
-
-
-def test_rig_reaches_every_node() -> None:
-    assert {"paper", "qube_servo_2"} <= set(furuta.rig_names())
-    rig = furuta.load_rig("qube_servo_2")
-    for given in (rig, "qube_servo_2"):
-        loop = furuta.make_loop({"plant.friction.alpha0": 0.5}, rig=given)
-        assert loop.plant.model == loop.controller.model == rig.model
-        assert loop.estimator.sample_time == rig.line.sample_time
-        assert loop.plant.friction.parameters.alpha0 == 0.5
 
 
 def test_recording_of_a_simulation_is_what_its_sensors_measured(tmp_path: Path) -> None:
@@ -120,38 +86,22 @@ def test_loop_prints_what_differs() -> None:
     assert len(repr(furuta.make_loop(rig="qube_servo_2"))) < 300
 
 
-def test_paths_can_be_text(tmp_path: Path) -> None:
-    axis = furuta.Axis(1.0, furuta.Friction(alpha0=1.0))
-    run = furuta.simulate_axis(axis, furuta.Pid(4.0, 0.0, 1.0), seconds=0.1)
-    for path in (str(tmp_path / "axis.csv"), tmp_path / "axis.csv"):
-        furuta.write_series(path, run.columns)
-        assert np.array_equal(furuta.read_axis(path).time, run.time)
-
-
-NUMBERS = [nan, inf, "a", None, [1.0], True, 10**5000]
 RUN = furuta.simulate(seconds=0.01)
 RECORDING = furuta.Recording("mine", *(np.zeros(shape) for shape in (3, (3, 4), 3, 2)))
 
 
-@pytest.mark.parametrize("value", [None, "a", nan, furuta.FurutaPendulum, [], np.zeros(3)])
 @pytest.mark.parametrize("name", ["linearize", "limit_cycle", "measure", "predict_cycles", "tune"])
-def test_what_is_no_loop_is_a_parameter_error(name: str, value: Any) -> None:
-    with pytest.raises(furuta.ParameterError, match=r"loop(\.controller)? must be .*, given"):
-        getattr(furuta, name)(furuta.Loop(controller=value) if value is None else value)
+def test_what_is_no_loop_is_a_parameter_error(name: str) -> None:
+    for value in (furuta.Loop(controller=None), "a", furuta.FurutaPendulum, np.zeros(3)):
+        with pytest.raises(furuta.ParameterError, match=r"loop(\.controller)? must be .*, given"):
+            getattr(furuta, name)(value)
 
 
-@pytest.mark.parametrize("value", NUMBERS, ids=shortened)
+@pytest.mark.parametrize("value", [nan, inf, "a", None, [1.0], True, 10**5000], ids=shortened)
 def test_what_is_no_number_is_a_parameter_error(value: Any) -> None:
-    calls = (
-        lambda: furuta.simulate(seconds=value),
-        lambda: furuta.place_poles(furuta.FurutaPendulum(), furuta.DesiredPoles(value)),
-        lambda: furuta.friction_law("lugre", furuta.Friction(alpha0=value)),
-        lambda: furuta.ideal_loop(feedback=[1.0, value, 1.0, 1.0]),
-    )
-    for call in calls:
-        with pytest.raises(furuta.ParameterError) as error:
-            call()
-        assert "\n" not in str(error.value)
+    with pytest.raises(furuta.ParameterError) as error:
+        furuta.simulate(seconds=value)
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(
@@ -162,29 +112,17 @@ def test_what_is_no_number_is_a_parameter_error(value: Any) -> None:
             "gamma must be at least 1e-09 V s²/rad, given 0",
         ),
         (lambda: furuta.simulate(seconds=1e300), "above 0 and at most 1e+06, given 1e+300"),
-        (lambda: furuta.make_loop(files=[None]), "files[0] must be text or a path, given None"),
         (
             lambda: furuta.simulated_series(RUN._replace(state=np.zeros((10, 3)))),
             "record.state must have shape (10, 4), given (10, 3)",
         ),
         (lambda: furuta.identify(RECORDING), "command must have shape (3,), given (2,)"),
-        (
-            lambda: furuta.servo_cycle(
-                furuta.Axis(1.0, furuta.Friction()), furuta.Pid(1e300, 1.0, 1.0)
-            ),
-            "too large or too small",
-        ),
-        (lambda: furuta.sweep({"alfa0": [1.0]}), "did you mean alpha0"),
         (lambda: furuta.random_rigs(disturbances=["x"]), "disturbances are delay, lag, noise"),
-        (lambda: furuta.compare(rigs={"plant.alfa": [1.0]}), "plant has no parameter alfa"),
         (lambda: furuta.make_loop({"alfa0": 0.1}), "did you mean alpha0"),
         (lambda: furuta.make_loop(rig="nobody"), "no rig nobody; rigs are"),
         (lambda: furuta.measure(settled=0.0), "settled must be above 0 and at most 1, given 0"),
         (lambda: furuta.ideal_loop(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),
-        (lambda: furuta.friction_law("glue"), "no friction law glue; laws are coulomb"),
-        (lambda: furuta.trace_cycle(None, furuta.LimitCycle("rest")), "given a rest motion"),
         (lambda: furuta.tune(seconds=1.0), "needs at least"),
-        (lambda: furuta.write_series("run.xlsx", {}), "does not end in .csv, .parquet, .mat, .npz"),
     ],
 )
 def test_bad_input_is_a_parameter_error(call: Any, reason: str) -> None:

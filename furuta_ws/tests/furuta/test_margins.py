@@ -1,4 +1,4 @@
-"""Stability margins, compared with python-control and with the poles at the margins."""
+"""Stability margins, compared with python-control."""
 
 import control
 import numpy as np
@@ -11,7 +11,7 @@ from furuta_model.pendulum import FurutaPendulum
 
 BODY = FurutaPendulum()
 A, B = linearize(BODY)
-POLES = [DesiredPoles(), DesiredPoles(4.0, 0.4, 9.0, 1.2), DesiredPoles(12.0, 1.0, 3.0, 0.5)]
+POLES = [DesiredPoles(), DesiredPoles(12.0, 1.0, 3.0, 0.5)]
 
 
 @pytest.mark.parametrize("poles", POLES)
@@ -24,21 +24,6 @@ def test_margins_agree_with_python_control(poles: DesiredPoles) -> None:
     assert ours.delay_s == pytest.approx((np.radians(np.mod(phases, 360.0)) / at).min(), rel=1e-6)
     disk, _, _ = control.disk_margins(loop, np.geomspace(0.1, 100.0, 400))
     assert ours.disk == pytest.approx(disk, rel=1e-4)
-
-
-@pytest.mark.parametrize("poles", POLES)
-def test_a_pole_reaches_the_axis_at_the_gain_margins(poles: DesiredPoles) -> None:
-    gain = place_poles(BODY, poles)
-    ours = margins(BODY, gain)
-
-    def growth(factor: float) -> float:
-        return float(np.linalg.eigvals(A - factor * np.outer(B, gain)).real.max())
-
-    for edge, inside in ((ours.gain_low, 1.001), (ours.gain_high, 0.999)):
-        if 0.0 < edge < np.inf:
-            assert growth(edge * inside) < 0.0 < growth(edge / inside)
-    assert ours.gain_low <= (2.0 - ours.disk) / (2.0 + ours.disk)
-    assert ours.gain_high >= (2.0 + ours.disk) / (2.0 - ours.disk)
 
 
 def test_an_unstable_loop_has_no_margins() -> None:

@@ -21,18 +21,14 @@ from furuta_hw.protocol.frames import ARMED, FrameReader, SensorsFrame, encode
 from furuta_hw.rigs.rig import Rig
 from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import InitialState
-from furuta_sim.simulation.closed_loop import Loop
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
 
 SESSION, WATCHDOG = 77, 20
 SAMPLES = 20_000
+LOOP = furuta.make_loop({"compensation": "lugre"}, rig="paper")
 # What a host does with a sample: the bytes that it sends.
 Host = Callable[[SensorsFrame], bytes]
-
-
-def loop_of(rig: str) -> Loop:
-    return furuta.make_loop({"compensation": "lugre"}, rig=rig)
 
 
 def emulated(rig: Rig, folder: Path | None) -> EmulatedRig:
@@ -85,18 +81,16 @@ def residual(states: np.ndarray) -> float:
 
 
 @pytest.fixture
-def exported(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
-    """The folder of a loop for a rig."""
-    name, precision = request.param
-    write_loop(loop_of(name), tmp_path, precision, furuta.load_rig(name))
+def exported(tmp_path: Path) -> Path:
+    """The folder of a loop."""
+    write_loop(LOOP, tmp_path, FLOAT, furuta.load_rig("paper"))
     return tmp_path
 
 
-@pytest.mark.parametrize("exported", [("paper", FLOAT)], indirect=True)
 def test_residual_is_that_of_the_host(exported: Path, tmp_path_factory: Any) -> None:
     """Within an encoder count, with a host that only arms; the watchdog is fed on the board."""
     rig = furuta.load_rig("paper")
-    host = controlling_host(rig, CompiledLoop(loop_of("paper"), tmp_path_factory.mktemp("host")))
+    host = controlling_host(rig, CompiledLoop(LOOP, tmp_path_factory.mktemp("host")))
     on_board, by_host = emulated(rig, exported), emulated(rig, None)
     alone, hosted = run(on_board, SAMPLES, arming), run(by_host, SAMPLES, host)
     print("residual", residual(alone), residual(hosted))
@@ -106,14 +100,14 @@ def test_residual_is_that_of_the_host(exported: Path, tmp_path_factory: Any) -> 
     assert np.abs(alone[:, THETA]).max() < 0.1
 
 
-@pytest.mark.parametrize("exported", [("qube_servo_2", DOUBLE)], indirect=True)
-def test_speed_from_an_encoder(exported: Path) -> None:
+def test_speed_from_an_encoder(tmp_path: Path) -> None:
     """The board's filter on the arm's speed is that of the driver: it balances."""
-    on_board = emulated(furuta.load_rig("qube_servo_2"), exported)
-    assert np.abs(run(on_board, SAMPLES, arming)[:, THETA]).max() < 0.1
+    name = "qube_servo_2"
+    rig, loop = furuta.load_rig(name), furuta.make_loop({"compensation": "lugre"}, rig=name)
+    write_loop(loop, tmp_path, DOUBLE, rig)
+    assert np.abs(run(emulated(rig, tmp_path), SAMPLES, arming)[:, THETA]).max() < 0.1
 
 
-@pytest.mark.parametrize("exported", [("paper", FLOAT)], indirect=True)
 def test_only_when_armed_and_until_told(exported: Path) -> None:
     """0 V before Arm, after Stop, after Hello, and at a fault; a host's Drive frames do nothing."""
     rig = emulated(furuta.load_rig("paper"), exported)

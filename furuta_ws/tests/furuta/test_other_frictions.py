@@ -12,17 +12,12 @@ from furuta_sim.simulation.closed_loop import Simulation
 ENCODER_COUNT = 2 * pi / 250
 # What is true of the arm.
 FRICTIONS = {
-    "nominal": "",
-    "level × 0.7": "law=lugre alpha0=0.147 alpha1=0.0154",
     "level × 1.3": "law=lugre alpha0=0.273 alpha1=0.0286",
     "soft bristle": "sigma0=40.0",
-    "stiff bristle": "sigma0=1000.0",
     "very stiff bristle": "sigma0=10000.0",
     "stiction of 0.2 V": "alpha1=0.2",
     "asymmetric": "asymmetry=0.3",
     "Coulomb": "law=coulomb",
-    "Coulomb and stiction": "law=stiction",
-    "Dahl": "law=dahl",
     "Maxwell slip": "law=maxwell_slip",
     "level varies over the turn": "variation.angle=0.3",
     "level drifts": "variation.drift=0.5 variation.drift_time=20.0",
@@ -32,8 +27,6 @@ FRICTIONS = {
 PARTS = {
     "cogging": "cogging.torque=0.05",
     "dead band": "drive.dead_band=0.1",
-    "delay": "drive.delay=5",
-    "lag": "drive.lag=0.01",
     "delay and lag": "drive.delay=5 drive.lag=0.01",
     "noise": "plant.sensors.tachometer_noise=0.0488",
     "missing readings": "sensor_faults.missing=0.05",
@@ -41,10 +34,8 @@ PARTS = {
 }
 # What is true of the coupling of motor and arm.
 COUPLINGS = {
-    **{f"belt of {f} Hz": f"coupling.frequency={f}" for f in (20, 50, 60, 80, 150)},
-    "heavy motor": "coupling.frequency=60 coupling.motor_inertia=0.8",
+    **{f"belt of {f} Hz": f"coupling.frequency={f}" for f in (20, 60, 150)},
     "sensors on the motor": "coupling.frequency=60 coupling.sensors=motor",
-    "backlash of 5 mrad": "coupling.frequency=150 coupling.backlash=0.005",
     "5 mrad, sensors on the motor": "coupling.frequency=150 coupling.backlash=0.005 "
     "coupling.sensors=motor",
     "friction on both sides": "coupling.frequency=100 coupling.arm_friction=0.5",
@@ -97,11 +88,11 @@ def test_the_recommended_setting_does_not_chatter() -> None:
     assert chosen.command_step_v <= 2.0 * lugre.command_step_v
 
 
-@pytest.mark.parametrize("kind", ["disturbance_observer", "combined"])
 @pytest.mark.parametrize("name", FRICTIONS)
-def test_observed_friction_holds_without_super_twisting(name: str, kind: str) -> None:
+def test_observed_friction_holds_without_super_twisting(name: str) -> None:
     """Each alone stays within one encoder count too."""
-    assert np.max(residuals(friction(name), f"compensation={kind}", seeds=1)) <= ENCODER_COUNT
+    for kind in ("disturbance_observer", "combined"):
+        assert np.max(residuals(friction(name), f"compensation={kind}", seeds=1)) <= ENCODER_COUNT
 
 
 def test_super_twisting_holds_a_pendulum_off_the_model() -> None:
@@ -113,25 +104,12 @@ def test_super_twisting_holds_a_pendulum_off_the_model() -> None:
     assert np.max(residuals(body, *TWISTING)) <= ENCODER_COUNT
 
 
-@pytest.mark.parametrize("phi", [1.0, 3.0, -5.0])
-def test_a_far_start_does_not_topple_the_pendulum(phi: float) -> None:
+def test_a_far_start_does_not_topple_the_pendulum() -> None:
     """The arm returns to its reference."""
-    given = [*TWISTING, f"phi={phi}", "arm_reference=0.5"]
+    given = [*TWISTING, "phi=-5.0", "arm_reference=0.5"]
     run = Simulation(loop(load_settings([], given))).run(30.0)
     assert np.max(np.abs(run.state[:, 2])) < 0.5
     assert run.state[-1, 0] == pytest.approx(0.5, abs=0.02)
-
-
-@pytest.mark.parametrize("method", ["kalman", "lowpass"])
-@pytest.mark.parametrize("ideal", ["false", "true"])
-@pytest.mark.parametrize("compensation", ["none", "coulomb", "lugre"])
-def test_missing_readings_do_not_fell_the_loop(method: str, ideal: str, compensation: str) -> None:
-    """Single NaN in any reading, one in twenty."""
-    given = f"sensor_faults.missing=0.05 sensors.ideal={ideal} method={method}".split()
-    run = Simulation(loop(load_settings([], [*given, f"compensation={compensation}"]))).run(20.0)
-    assert np.all(np.isfinite(run.command))
-    assert np.all(np.isfinite(run.estimate[1000:, :4]))
-    assert np.abs(run.state[:, 2]).max() < 0.2
 
 
 def test_a_truth_without_presliding_defeats_the_observer_with_a_bristle() -> None:
