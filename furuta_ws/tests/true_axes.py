@@ -22,7 +22,7 @@ AT_ONCE = 1e-9
 class TrueAxis(NamedTuple):
     """Parameters by the names of the fit; of one wave the order, size and phase; faults.
 
-    ``torque_friction`` is friction that grows with the size of the torque.
+    ``torque_friction`` is friction that grows with the size of the torque, ``drag`` with v².
     """
 
     inertia: float
@@ -41,6 +41,7 @@ class TrueAxis(NamedTuple):
     wave: float = 0.0
     phase: float = 0.0
     torque_friction: float = 0.0
+    drag: float = 0.0
     drift: float = 0.0
 
     def values(self) -> dict[str, float]:
@@ -70,7 +71,7 @@ def _move(a: TrueAxis, torque: np.ndarray, interval: float, out: np.ndarray) -> 
             net -= a.drift * (i * interval + step * h)
             side = np.sign(v) if v != 0.0 else np.sign(net)
             level = a.alpha0 + a.alpha1 * np.exp(-((v / a.stribeck_velocity) ** 2))
-            level += a.torque_friction * abs(torque[max(k, 0)])
+            level += a.torque_friction * abs(torque[max(k, 0)]) + a.drag * v * v
             free = v + h / a.inertia * (net - a.viscous * v - a.viscous_difference * abs(v))
             left = max(abs(free) - h / a.inertia * (1.0 + side * a.asymmetry) * level, 0.0)
             after = 0.0 if v * free < 0.0 else np.sign(free) * left

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from furuta.identification.fitting.free_swing import FreeSwing, free_part, identify_free_swing
+from furuta.identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta.identification.identify import free_swing_of_files
 from furuta.identification.options import Options
 from furuta_model.parameters import ParameterError
@@ -82,19 +82,6 @@ def test_a_table_with_the_angle_alone(tmp_path: Path, found: FreeSwing) -> None:
     assert any("taken to be at rest" in text for text in alone.as_json()["findings"])
     with pytest.raises(ParameterError, match="name the joints"):
         free_swing_of_files((file,), Mapping(pendulum="angle"), Options())
-
-
-def test_the_part_that_is_used() -> None:
-    """From 1 to 0.1 rad, without the release, whatever the unit."""
-    radians = swing()
-    part = free_part(radians, Options())
-    amplitude = np.ptp(part.recording.measured[:, 2]) / 2.0
-    assert 0.85 < amplitude < 1.0
-    assert part.recording.time[0] > HELD
-    last = part.recording.measured[-150:, 2]
-    assert 0.1 < np.ptp(last) / 2.0 < 0.2
-    degrees = radians._replace(measured=np.degrees(radians.measured))
-    assert free_part(degrees, Options()).frequency == pytest.approx(part.frequency)
 
 
 @pytest.mark.long
