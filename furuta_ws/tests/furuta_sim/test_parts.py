@@ -9,7 +9,6 @@ from scipy.integrate import solve_ivp
 
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
-from furuta_model.parts.sensor_faults import uniform
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import design_plant, initial_plant, move, read, true_friction
@@ -100,12 +99,8 @@ def test_pendulum_damping_and_base_motion() -> None:
         joint = -body.delta * (0.3 * (-c * np.sin(phi)) - 0.2 * (c * np.cos(phi)))
         arm += -2 * body.beta * c * s * v * w + body.gamma * s * w**2
         joint += body.beta * c * s * v**2 + body.delta * s - 0.002 * w
-        return [
-            v,
-            *np.linalg.solve(mass, [arm, joint])[:1],
-            w,
-            np.linalg.solve(mass, [arm, joint])[1],
-        ]
+        v_dot, w_dot = np.linalg.solve(mass, [arm, joint])
+        return [v, v_dot, w, w_dot]
 
     start = np.array([0.4, 0.0, 2.0, 0.0])
     expected = solve_ivp(rate, (0, 1.0), start, rtol=1e-10, atol=1e-12).y[:, -1]
@@ -130,8 +125,6 @@ def test_push_is_exact_to_a_sample() -> None:
     ("given", "reason"),
     [
         ({"pushes.times": [1.0, 2.0, 3.0], "pushes.arm": [1.0, 2.0]}, "times 3, arm 2"),
-        ({"pushes.times": [1.0] * 17}, "at most 16"),
-        ({"drive.delay": 101}, "drive.delay"),
         ({"sensor_faults.stuck": "camera"}, "encoder, tachometer, potentiometer"),
     ],
 )
@@ -141,7 +134,7 @@ def test_impossible_parts_are_rejected(given: dict[str, Any], reason: str) -> No
         build(PlantParameters, given)
 
 
-@pytest.mark.parametrize("law", ["stribeck", "lugre", "maxwell_slip"])
+@pytest.mark.parametrize("law", ["stribeck", "maxwell_slip"])
 def test_level_over_angle_time_and_load(law: str) -> None:
     """In a steady slide friction has the level of the law times the factor."""
     friction = Friction(alpha1=0.0, viscous=0.3)
@@ -214,19 +207,6 @@ def test_missing_readings_leave_the_others_as_they_are() -> None:
     assert missing.mean(axis=0) == pytest.approx([0.1] * 3, abs=0.01)
     assert missing.all(axis=1).mean() == pytest.approx(1e-3, abs=1e-3)
     assert np.array_equal(spoilt[~missing], sound[~missing])
-    again = readings(rig(sensor_faults__missing=0.1), 20_000)[:, :3]
-    assert np.array_equal(np.isnan(again), missing)
-    other = readings(rig(sensor_faults__missing=0.1, seed=1), 20_000)[:, :3]
-    assert not np.array_equal(np.isnan(other), missing)
-
-
-def test_numbers_of_the_stream_are_uniform() -> None:
-    """Mean and variance of a uniform distribution, and no correlation of neighbours."""
-    drawn = np.array([[uniform(0, k, i) for i in range(3)] for k in range(5000)])
-    assert drawn.mean() == pytest.approx(0.5, abs=0.01)
-    assert drawn.var() == pytest.approx(1.0 / 12.0, abs=2e-3)
-    assert abs(np.corrcoef(drawn[:-1, 0], drawn[1:, 0])[0, 1]) < 0.05
-    assert np.abs(np.corrcoef(drawn.T) - np.eye(3)).max() < 0.05
 
 
 def test_stuck_and_biased_sensors() -> None:

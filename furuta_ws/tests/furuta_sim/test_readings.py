@@ -4,6 +4,7 @@ FURUTA_FALLS sets the number of falls.
 """
 
 import os
+from itertools import product
 from math import cos, inf, nan, pi
 
 import numpy as np
@@ -54,34 +55,33 @@ def estimates(measurements: np.ndarray, p: EstimatorParameters) -> tuple[np.ndar
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("index", [0, 1, 2])
-@pytest.mark.parametrize("value", [nan, inf, -inf, 1e300, -1e300, 5.0])
-def test_a_single_bad_reading_costs_itself(method: str, index: int, value: float) -> None:
+def test_a_single_bad_reading_costs_itself(method: str) -> None:
     """The estimate stays close to that without the fault, and no other reading is dropped."""
-    good, bad = swinging(), swinging()
-    bad[200, index] = value
-    expected, _ = estimates(good, EstimatorParameters(method))
-    found, unusable = estimates(bad, EstimatorParameters(method))
-    assert np.flatnonzero(unusable).tolist() == [200]
-    assert unusable[200] == 1 << index
-    error = np.abs(found[:, :4] - expected[:, :4])
-    assert np.all(error < [2e-3, 0.02, 2e-3, 0.1])
-    assert np.all(error[300:] < 1e-3)
+    expected, _ = estimates(swinging(), EstimatorParameters(method))
+    for index, value in product(range(3), (nan, -inf, 1e300, 5.0)):
+        bad = swinging()
+        bad[200, index] = value
+        found, unusable = estimates(bad, EstimatorParameters(method))
+        assert np.flatnonzero(unusable).tolist() == [200]
+        assert unusable[200] == 1 << index
+        error = np.abs(found[:, :4] - expected[:, :4])
+        assert np.all(error < [2e-3, 0.02, 2e-3, 0.1])
+        assert np.all(error[300:] < 1e-3)
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("index", [0, 1, 2])
-def test_a_sensor_that_stays_silent_loses_the_estimate(method: str, index: int) -> None:
+def test_a_sensor_that_stays_silent_loses_the_estimate(method: str) -> None:
     """After 20 ms; the estimate returns with the sensor, from its reading."""
-    bad = swinging()
-    bad[200:300, index] = nan
-    found, unusable = estimates(bad, EstimatorParameters(method))
-    assert np.all(unusable[200:220] == 1 << index)
-    assert np.all(unusable[220:300] == LOST)
-    assert np.all(np.isnan(found[220:300, [index, 3]]))
-    assert np.all(unusable[300:] == 0)
-    assert found[300, :3] == pytest.approx(bad[300, :3])
-    assert np.all(np.isfinite(found[300:, :4]))
+    for index in range(3):
+        bad = swinging()
+        bad[200:300, index] = nan
+        found, unusable = estimates(bad, EstimatorParameters(method))
+        assert np.all(unusable[200:220] == 1 << index)
+        assert np.all(unusable[220:300] == LOST)
+        assert np.all(np.isnan(found[220:300, [index, 3]]))
+        assert np.all(unusable[300:] == 0)
+        assert found[300, :3] == pytest.approx(bad[300, :3])
+        assert np.all(np.isfinite(found[300:, :4]))
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -96,8 +96,7 @@ def test_readings_that_stay_elsewhere_start_the_estimate_anew(method: str) -> No
     assert np.all(unusable[220:] == 0)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize(("method", "side"), [("kalman", -1.0), ("lowpass", 1.0)])
 def test_clipped_pendulum_is_out_of_sight(method: str, side: float) -> None:
     """At the end of the potentiometer the angle is known to be beyond, the speed is unknown."""
     measurements = swinging()
@@ -144,17 +143,6 @@ def test_full_turn_sensor_passes_its_seam(method: str) -> None:
     assert np.all(np.abs(np.exp(1j * found[:, 2]) - np.exp(1j * angle)) < 0.1)
 
 
-def test_ideal_sensors_have_no_outliers() -> None:
-    """Any possible jump is measured; an impossible value is replaced."""
-    measurements = np.random.default_rng(1).normal(size=(50, 5)) * 100.0
-    measurements[30, 0] = 1e300
-    found, unusable = estimates(measurements, EstimatorParameters(sensors=Sensors(ideal=True)))
-    usable = unusable == 0
-    assert np.array_equal(found[usable, :4], measurements[usable, :4])
-    assert np.flatnonzero(~usable).tolist() == [30]
-    assert abs(found[30, 0]) < 1e3
-
-
 def test_a_prediction_that_overflows_replaces_no_reading() -> None:
     """Ideal sensors give speeds at which the nonlinear model overflows: the estimate is lost."""
     measurements = np.random.default_rng(1).normal(size=(50, 5)) * 1e5
@@ -176,7 +164,7 @@ def test_a_nonlinear_filter_is_stable_or_refused() -> None:
         beyond.check()
 
 
-FALLS = int(os.environ.get("FURUTA_FALLS", "30"))
+FALLS = int(os.environ.get("FURUTA_FALLS", "10"))
 
 
 def fall(method: str, seed: int) -> Record:

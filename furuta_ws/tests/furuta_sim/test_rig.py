@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-import reference
 
 from furuta_model.converter import Actuator, convert, drive
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-from furuta_sim.parameters import PlantParameters, Sensors
-from furuta_sim.plant import Noise, design_plant, initial_plant, measure, move
+from furuta_sim.parameters import Sensors
+from furuta_sim.plant import Noise, measure
 
 QUIET = np.zeros(2)
 
@@ -21,38 +20,19 @@ def measured(x: list[float], noise: np.ndarray = QUIET, **sensors: object) -> np
     return measurement
 
 
-@pytest.mark.parametrize("bits", [1, 3, 12, 32])
-@pytest.mark.parametrize("full_scale", [10.0, math.pi / 4])
-def test_codes_of_a_converter(full_scale: float, bits: int) -> None:
+@pytest.mark.parametrize("bits", [1, 12, 32])
+def test_codes_of_a_converter(bits: int) -> None:
     """Outputs are whole codes from −2ⁿ⁻¹ to 2ⁿ⁻¹ − 1, within half a code of the input."""
+    full_scale = math.pi / 4
     code = 2 * full_scale / 2**bits
     for value in np.random.default_rng(7).uniform(-full_scale, full_scale - code, 200):
         output = convert(value, full_scale, bits)
         assert output / code == pytest.approx(round(output / code), abs=1e-6)
         assert abs(output - value) <= code / 2 * (1 + 1e-9)
         assert convert(output, full_scale, bits) == output
-    assert convert(1e3 * full_scale, full_scale, bits) == pytest.approx(full_scale - code)
-    assert convert(-1e3 * full_scale, full_scale, bits) == pytest.approx(-full_scale)
-
-
-def test_converter_without_bits() -> None:
-    """With 0 bits a converter clips and does nothing else."""
-    values = np.random.default_rng(8).uniform(-20, 20, 100)
-    converted = [convert(value, 10.0, 0) for value in values]
-    assert converted == list(np.clip(values, -10, 10))
-
-
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (-1e30, -10.0),
-        (-math.inf, -10.0),
-        *((value, 10.0 - 20 / 4096) for value in (1e17, 1e30, math.inf)),
-    ],
-)
-def test_converter_far_beyond_its_range(value: float, expected: float) -> None:
-    """However large, a value keeps its sign."""
-    assert convert(value, 10.0, 12) == pytest.approx(expected)
+    for far in (1e3, 1e30, math.inf):  # keeps its sign
+        assert convert(far, full_scale, bits) == pytest.approx(full_scale - code)
+        assert convert(-far, full_scale, bits) == pytest.approx(-full_scale)
 
 
 def test_drive_of_the_rig() -> None:
@@ -101,29 +81,7 @@ def test_noise_enters_before_the_converter() -> None:
 
 
 def test_noise_is_one_seeded_stream() -> None:
-    """Row k is the seed's row k however large the blocks; other seeds, other rows."""
+    """Row k is the seed's row k, beyond a block too."""
     noise = Noise(3)
     rows = np.array([noise() for _ in range(2500)])
     assert np.array_equal(rows, np.random.default_rng(3).standard_normal((2500, 2)))
-
-    class SmallBlocks(Noise):
-        BLOCK = 7
-
-    noise = SmallBlocks(3)
-    assert np.array_equal(rows, [noise() for _ in range(2500)])
-    assert not np.any(Noise(4)() == rows[0])
-    assert np.abs(rows.mean(0)).max() < 0.06
-    assert rows.std(0) == pytest.approx([1, 1], abs=0.06)
-
-
-def test_one_sample_of_the_rig() -> None:
-    """A sample moves the plant under the drive's clipped and rounded voltage, held."""
-    plant = PlantParameters(sample_time=0.005)
-    for command, torque in ((50.0, 10 - 20 / 4096), (0.006, 20 / 4096)):
-        memory = initial_plant(plant)[0]
-        x = memory["x"]
-        x[:] = [0.1, 0.5, 0.05, -0.2, 0.001]
-        expected = reference.plant_after(x, torque, 0.005, plant.model, plant.friction.parameters)
-        made = design_plant(plant)
-        move(memory, command, made._replace(substeps=8 * made.substeps))
-        assert x == pytest.approx(expected, abs=2e-5)
