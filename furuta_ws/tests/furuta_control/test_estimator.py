@@ -32,9 +32,9 @@ def of_theta(theta: np.ndarray) -> np.ndarray:
     return measurements
 
 
-@pytest.mark.parametrize("bandwidth", [2.0, 200.0, 2e4])
-@pytest.mark.parametrize("damping", [0.3, 1.0, 3.0])
-@pytest.mark.parametrize("dt", [1e-4, 1e-3, 0.02])
+@pytest.mark.parametrize(
+    ("bandwidth", "damping", "dt"), [(2.0, 0.3, 0.02), (200.0, 1.0, 1e-3), (2e4, 3.0, 1e-4)]
+)
 def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -> None:
     """Angle and speed are the states of ω²/(s² + 2ζωs + ω²) with linearly interpolated input."""
     a = [[0, 1], [-(bandwidth**2), -2 * damping * bandwidth]]
@@ -65,12 +65,11 @@ def test_ideal_measurements_are_not_filtered(method: str) -> None:
     assert np.array_equal(found[:, :4], measurements[:, :4])
 
 
-@pytest.mark.parametrize("methods", [("kalman", "lowpass"), ("lowpass", "kalman")])
-def test_new_method_starts_from_the_last_estimate(methods: tuple[str, str]) -> None:
+def test_new_method_starts_from_the_last_estimate() -> None:
     """No jump beyond the difference of the methods; a restart would set the speed to 0."""
     time = np.arange(400) * 1e-3
     theta = 0.1 * np.sin(5.0 * time)
-    before, after = (design_estimator(EstimatorParameters(each)) for each in methods)
+    before, after = (design_estimator(EstimatorParameters(each)) for each in ("kalman", "lowpass"))
     memory, found = new_memory(EstimatorMemory)[0], np.zeros((400, 5))
     for k, measurement in enumerate(of_theta(theta)):
         estimate_state(memory, measurement, before if k < 200 else after, found[k])
