@@ -21,7 +21,7 @@ NOBLE = output/noble
 NOBLE_TESTS = $(addprefix furuta_ws/tests/,\
 	furuta_bringup furuta_control furuta_description furuta_hw furuta_model \
 	furuta_recordings furuta_ros page workspace/test_dependencies.py \
-	$(patsubst %,furuta/test_%.py,axis comparison_scores figure gym library limit_cycle own_functions proof \
+	$(patsubst %,furuta/test_%.py,axis comparison_scores gym library limit_cycle own_functions proof \
 		study_files tuning whole_files) \
 	$(patsubst %,graph/test_%.py,accepted_parts hostile_input lockstep reset second_publishers) \
 	$(patsubst %,processes/test_%.py,analysis_verbs axis_verb bag_verbs command_line compare \
