@@ -7,7 +7,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rosbags.interfaces import Connection
 from rosbags.rosbag2 import Reader
 from rosbags.typesys.store import Typestore
@@ -59,25 +58,13 @@ class Bag:
                 )
 
     def messages(
-        self,
-        connections: Iterable[Connection] | None = None,
-        first: int | None = None,
-        last: int | None = None,
+        self, connections: Iterable[Connection] | None = None
     ) -> Iterator[tuple[Connection, int, bytes]]:
-        """Messages of ``connections``, by default of all, with their times [ns].
-
-        Only messages with ``first`` <= time < ``last`` [ns]: only their part of an indexed file is
-        read.
-        """
+        """Messages of ``connections``, by default of all, with their times [ns], in their order."""
         chosen = self.connections if connections is None else list(connections)
         with self._one_line_errors():
             if chosen:  # the reader takes none for all
-                yield from self._reader.messages(chosen, first, last)
-
-    def find(self, topic: Connection, first: int, last: int) -> tuple[np.ndarray, list[bytes]]:
-        """Times (n,) [ns] and contents of a topic's messages with ``first`` <= time < ``last``."""
-        messages = [(time, data) for _, time, data in self.messages([topic], first, last)]
-        return np.array([time for time, _ in messages], np.int64), [data for _, data in messages]
+                yield from self._reader.messages(chosen)
 
     def deserialize(self, data: bytes, type_name: str) -> Any:
         """A message from its serialized content."""
