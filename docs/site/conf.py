@@ -37,6 +37,7 @@ html_copy_source = False
 html_extra_path = ["index.html", "../../output/furuta.html"]
 # Blocks without a language are shell commands, equations and tables of text.
 highlight_language = "none"
+smartquotes = False  # it would turn the -- of an option into a dash
 
 # What the site shows in place of a comment of a page.
 IN_PLACE = {
