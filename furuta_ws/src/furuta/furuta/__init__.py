@@ -35,6 +35,8 @@ if TYPE_CHECKING:
         describing_function as describing_function,
     )
     from furuta.identification.axis.identify import identify_axis as identify_axis
+    from furuta.identified_models import identified_values as identified_values
+    from furuta.identified_models import identify as identify
     from furuta.limit_cycles.joint import Joint as Joint
     from furuta.limit_cycles.joint import JointCycle as JointCycle
     from furuta.limit_cycles.joint import branch as branch
@@ -55,8 +57,6 @@ if TYPE_CHECKING:
     from furuta.motions import simulate as simulate
     from furuta.motions import trace_cycle as trace_cycle
     from furuta.motions import tune as tune
-    from furuta.recordings import identified_values as identified_values
-    from furuta.recordings import identify as identify
     from furuta.recordings import load_series as load_series
     from furuta.recordings import read_recording as read_recording
     from furuta.recordings import simulated_series as simulated_series

@@ -108,13 +108,15 @@ def _save(record: Any, out: Path, actuator: Any) -> None:
         fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
         with whole_file(out) as new:
             write_npz(new, {"time": record.time, "drive": np.array(actuator), **fields})
-    elif suffix in SUFFIXES:
-        from furuta.recordings import simulated_series
+        return
+    from furuta.recordings import simulated_series
+
+    series = simulated_series(record)
+    if suffix in SUFFIXES:
         from furuta_recordings.table_files import write_columns
 
-        write_columns(out, simulated_series(record))
+        write_columns(out, series)
     else:
         from furuta.figures.series import draw_series
-        from furuta.recordings import simulated_series
 
-        draw_series(simulated_series(record), out)
+        draw_series(series, out)
