@@ -63,7 +63,7 @@ def _topic(channel: Channel, schema: Schema) -> BagTopic:
     return BagTopic(
         channel.topic,
         schema.name,
-        schema.data.decode(),
+        schema.data.decode(errors="replace"),
         about.get("offered_qos_profiles", ""),
         about.get("topic_type_hash", ""),
         schema.encoding,
