@@ -23,7 +23,8 @@ from furuta_model.parameters import declared
 LAYERS = [
     {"furuta_model"},
     {"furuta_ros"},
-    {"furuta_control", "furuta_friction", "furuta_recordings"},
+    {"furuta_friction", "furuta_recordings"},
+    {"furuta_control"},
     {"furuta_sim"},
     {"furuta_hw"},
     {"furuta", "furuta_description"},

@@ -19,7 +19,7 @@ from furuta_control.control import (
     reset,
 )
 from furuta_control.modes import swing_up
-from furuta_control.modes.vibration import is_sustained
+from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible

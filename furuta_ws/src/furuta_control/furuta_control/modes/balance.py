@@ -10,7 +10,7 @@ The scan of the paper has a minus in (8), which would double the friction.
 The arm's error φ − reference is limited before it is fed back. An arm that is far away then returns
 at a limited speed, and the pendulum keeps enough of the voltage. For any gain on the error between
 0 and L₁ the loop with the paper's gain is stable. Two rivals of friction compensation are options:
-integral action on that error, and :mod:`furuta_control.modes.super_twisting`.
+integral action on that error, and :mod:`furuta_friction.super_twisting`.
 """
 
 from dataclasses import dataclass, field
@@ -19,9 +19,9 @@ from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from furuta_control.modes import super_twisting
 from furuta_control.modes.mode import Mode
-from furuta_control.modes.super_twisting import SuperTwisting, SuperTwistingMemory
+from furuta_friction import super_twisting
+from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
 from furuta_model.parameters import OFF_AT_ZERO
 from furuta_model.registry import designed_once

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from furuta_control.modes.vibration import (
+from furuta_friction.vibration import (
     RECOVERY_TIME,
     REDUCTION,
     SMALLEST_PART,

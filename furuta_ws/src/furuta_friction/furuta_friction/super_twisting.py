@@ -12,7 +12,7 @@ A bandwidth k [1/s] limits the gain of s: within the layer |s| < 2.25 C/k² both
 :math:`v = -ks + w, \dot w = -0.49\,k^2 s`. The noise of the speed then causes no chatter. s also
 passes a low-pass filter with the rate 3k. Between motor and arm a belt turns the phase by half a
 turn, and without the filter the correction would drive its vibration. A vibration that is sustained
-nevertheless reduces k (:mod:`furuta_control.modes.vibration`).
+nevertheless reduces k (:mod:`furuta_friction.vibration`).
 """
 
 from dataclasses import dataclass, field
@@ -21,8 +21,8 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_control.modes import vibration
-from furuta_control.modes.vibration import (
+from furuta_friction import vibration
+from furuta_friction.vibration import (
     Vibration,
     VibrationMemory,
     part_without_vibration,
@@ -119,13 +119,20 @@ def correction(
     memory: SuperTwistingMemory, x: np.ndarray, error: float, limit: float, p: SuperTwisting
 ) -> float:
     """The correction v [V] for state ``x`` and arm error [rad]; |w| ≤ ``limit`` [V]."""
-    if not memory.started:
-        memory.started, memory.speed = True, x[PHI_DOT]
-        memory.sliding = memory.correction = 0.0
-        memory.vibration.part = p.first_part
-    memory.sliding += p.share * ((x[PHI_DOT] - memory.speed) / p.b - memory.sliding)
+    v = twist(memory, x[PHI_DOT], limit, p)
     acceleration = p.a1 * error + p.a2 * x[PHI_DOT] + p.a3 * x[THETA] + p.a4 * x[THETA_DOT]
     memory.speed += p.dt * acceleration
+    return v
+
+
+@inlined
+def twist(memory: SuperTwistingMemory, speed: float, limit: float, p: SuperTwisting) -> float:
+    """V for the ``speed``; ``memory.speed`` is the speed without friction."""
+    if not memory.started:
+        memory.started, memory.speed = True, speed
+        memory.sliding = memory.correction = 0.0
+        memory.vibration.part = p.first_part
+    memory.sliding += p.share * ((speed - memory.speed) / p.b - memory.sliding)
     s = memory.sliding
     linear = min(abs(s) / p.layer, 1.0)
     root = copysign(ROOT * sqrt(p.rate_bound * abs(s) * linear), s)
