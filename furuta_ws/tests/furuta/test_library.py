@@ -59,7 +59,7 @@ def test_sweep_is_a_table_of_measurements() -> None:
         loop = furuta.make_loop({name: table[name][row] for name in list(table)[:2]})
         for name, value in furuta.measure(loop, seconds)._asdict().items():
             assert table[name][row] == value or np.isnan([table[name][row], value]).all()
-    assert table["error"][2] == "friction.alpha0 must be 0 to 100 V, given -5"
+    assert table["error"][2] == "friction.alpha0 must be 0 to 100000 V, given -5"
     assert np.isnan(table["steps"][2:]).all()
 
 

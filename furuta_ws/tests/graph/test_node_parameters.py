@@ -48,7 +48,7 @@ def test_bad_change_is_rejected_as_a_whole(
     with pytest.raises(ServiceError, match=reason):
         client.set_all("friction_observer", values)
     assert node.parameters == before
-    assert client.get("friction_observer", ["alpha0"])["alpha0"] == before.friction.alpha0
+    assert client.get("friction_observer", ["alpha0"])["alpha0"] == before.observer.friction.alpha0
 
 
 def test_a_rig_without_a_filter_is_refused(bench: Bench) -> None:

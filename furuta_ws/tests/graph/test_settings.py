@@ -86,7 +86,7 @@ def test_later_wins(file: Any) -> None:
         ("/**:\n  ros__parameters: {friktion: 1}\n", r"/\*\* has no parameter friktion; did you"),
         (
             "plant:\n  ros__parameters: {friction: {alpha0: -1}}\n",
-            r"friction\.alpha0 must be 0 to 100 V, given -1",
+            r"friction\.alpha0 must be 0 to 100000 V, given -1",
         ),
     ],
 )

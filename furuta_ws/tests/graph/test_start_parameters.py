@@ -86,7 +86,7 @@ def test_a_section_for_several_nodes(tmp_path: Path, capfd: Any) -> None:
     """
     content = "{model.alpha: 0.03, model: {beta: 0.02}, alpha0: 0.3, use_sim_time: false}"
     file = write(tmp_path, f"/**: {{ros__parameters: {content}}}")
-    assert start(FrictionObserverNode, file).friction.alpha0 == 0.3
+    assert start(FrictionObserverNode, file).observer.friction.alpha0 == 0.3
     (warning,) = [line for line in capfd.readouterr().err.splitlines() if "WARN" in line]
     assert "friction_observer has no parameter model.alpha, model.beta; ignored" in warning
     assert f"the section /** of {file}" in warning

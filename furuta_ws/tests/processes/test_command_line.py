@@ -83,7 +83,7 @@ def test_simulate(furuta: Any, tmp_path: Path) -> None:
 
 # One line each; the true reason in it. Status 2 is wrong usage.
 FAILED = {
-    "simulate --set sigma0=-1": "sigma0 must be 0.001 to 1e+06 V/rad, given -1",
+    "simulate --set sigma0=-1": "sigma0 must be 0.001 to 1e+09 V/rad, given -1",
     "simulate --params missing.yaml": "cannot read parameter file missing.yaml",
     "simulate --rig Paper": "did you mean paper?",
     "simulate --compensation Lugre": "given 'Lugre'; did you mean lugre?",

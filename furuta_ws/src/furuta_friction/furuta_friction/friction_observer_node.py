@@ -2,81 +2,154 @@
 
 import sys
 from collections.abc import Sequence
-from math import isnan
+from math import isnan, nan
+from typing import Any
 
 import numpy as np
 from rclpy.parameter import Parameter
 
 from furuta_friction.compensation import (
     CompensationMemory,
-    ObserverParameters,
     beyond_adaptation,
     design_compensator,
     estimate_friction,
     reset,
 )
+from furuta_friction.joint_friction import JointFriction
+from furuta_friction.joint_observer import ARM, ObserverNodeParameters
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
 from furuta_ros.loop_publisher import LoopPublisher
-from furuta_ros.messages import RefusedError, typed_joint_state
+from furuta_ros.messages import RefusedError, joint_numbers, typed_joint_state
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
-from furuta_ros.time_stamps import NEVER, starts_anew
-from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES
+from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
+from furuta_ros.topics import BEST_EFFORT, FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
 from furuta_ros.wire import NO_SIGNALS, Signals, unpack_joint_state, value_bytes
 
 # Time between two checks of what the compensation needs, and of the adapted levels [s].
 CHECK_PERIOD = 5.0
+# Age from which the speed of a reference does not count any more [s].
+REFERENCE_AGE = 0.1
+# Part of the sample time by which the mean time between states may differ from it.
+WRONG_RATE = 0.2
 
 
-class FrictionObserverNode(FurutaNode[ObserverParameters]):
-    """Estimates the friction in the arm's joint.
+class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
+    """Estimates the friction in the arm's joint, or in any other joint.
 
-    Subscribes to ``joint_states``, publishes ``friction_estimate`` [V], one for each state. If a
-    state is repeated (same stamp), the last estimate is published again without a new step.
+    Subscribes to ``joint_states``, publishes ``friction_estimate`` [V, or the unit of the joint's
+    effort], one for each state of the joint. If a state is repeated (same stamp), the last estimate
+    is published again without a new step. For a joint other than the arm it also subscribes to
+    ``reference``.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
-        super().__init__("friction_observer", ObserverParameters, overrides)
-        self._memory = new_memory(CompensationMemory)
-        self._x, self._stamp, self._friction = NO_SIGNALS, NEVER, 0.0
-        self.design_by(self._design)
+        super().__init__("friction_observer", ObserverNodeParameters, overrides)
+        self._stamp, self._friction = NEVER, 0.0
+        self._states, self._checked = 0, NEVER
+        self._reference, self._reference_age = nan, 0
         self._publisher = LoopPublisher(self, FRICTION_ESTIMATE)
-        self.subscribe_to(JOINT_STATES, self.on_state)
+        self._of: ArmFriction | JointFriction
+        if self.parameters.joint == ARM:
+            self._of = ArmFriction()
+            self.design_by(self._of.design)
+            self.subscribe_to(JOINT_STATES, self.on_state)
+        else:
+            self._of = JointFriction()
+            self.design_by(self._of.design)
+            self.subscribe_to(JOINT_STATES, self.on_joint, BEST_EFFORT)
+            self.subscribe_to(REFERENCE, self.on_reference, BEST_EFFORT)
         self.steady_timer(CHECK_PERIOD, self._check)
 
-    def _design(self, parameters: ObserverParameters) -> None:
-        """Switch to the compensator that the parameters describe; the memory is kept."""
-        self._compensator = block(design_compensator(parameters))
-        self._step = for_types_of(_step, self._memory, self._x, self._compensator, False)
-
     def on_state(self, data: bytes) -> None:
-        """Estimate the friction and publish it."""
-        stamp, x = unpack_joint_state(data) or typed_joint_state(data)
+        """Estimate the friction of the arm and publish it."""
+        self._answer(*(unpack_joint_state(data) or typed_joint_state(data)))
+
+    def on_joint(self, data: bytes) -> None:
+        """Estimate the friction of the joint and publish it; other joints are ignored."""
+        if found := joint_numbers(data, self.parameters.joint):
+            stamp, (position, speed, effort) = found
+            if isnan(position):
+                raise RefusedError(f"no position of joint {self.parameters.joint}")
+            self._states += 1
+            self._reference_age += 1
+            sample_time = self.parameters.observer.sample_time
+            old = self._reference_age * sample_time > max(REFERENCE_AGE, 1.5 * sample_time)
+            self._answer(stamp, (position, speed, effort, nan if old else self._reference))
+
+    def on_reference(self, data: bytes) -> None:
+        """Remember the speed of the joint's reference."""
+        if found := joint_numbers(data, self.parameters.joint):
+            _, (_, speed, _) = found
+            if isnan(speed):
+                raise RefusedError(f"no velocity of joint {self.parameters.joint}")
+            self._reference, self._reference_age = speed, 0
+
+    def _answer(self, stamp: int, x: Any) -> None:
         if stamp != self._stamp:
-            anew = starts_anew(stamp - self._stamp)
-            friction = self._step(self._memory, x, self._compensator, anew)
+            friction = self._of.estimate(x, stamp - self._stamp)
             if isnan(friction):
                 raise RefusedError(f"no value may be larger than {LARGEST_VALUE:g}, given {x}")
-            self._stamp, self._x, self._friction = stamp, x, friction
+            self._stamp, self._friction = stamp, friction
         self._publisher.publish(value_bytes(self._friction), stamp)
 
     def _check(self) -> None:
         """Warn if the compensation cannot do what is asked of it."""
-        chosen, log = self.parameters.chosen, self.get_logger()
-        if chosen.needs_observed_friction and self._is_blind():
-            log.warning(
-                f"compensation {chosen.name} needs effort (observed friction) in joint_states; "
-                "use an estimator that observes it (method kalman)"
-            )
-        if beyond_adaptation(self._memory, self.parameters):
+        chosen, log = self.parameters.observer.chosen, self.get_logger()
+        if chosen.needs_observed_friction and self._of.is_blind():
+            log.warning(f"compensation {chosen.name} needs {self._of.NEEDS}")
+        if beyond_adaptation(self._of.compensation, self.parameters.observer):
             log.warning(
                 "compensation adaptive: a level is at its limit, a third or three times what "
                 "alpha0 and alpha1 say; the friction is not as the parameters describe it"
             )
+        self._check_rate()
 
-    def _is_blind(self) -> bool:
+    def _check_rate(self) -> None:
+        """Warn if the states of a joint do not come every sample time."""
+        states, before = self._states, self._checked
+        self._states, self._checked = 0, self._stamp
+        given = self.parameters.observer.sample_time
+        mean = (self._stamp - before) / NANOSECONDS / max(states, 1)
+        if states > 1 and before != NEVER and abs(mean / given - 1.0) > WRONG_RATE:
+            self.get_logger().warning(
+                f"joint {self.parameters.joint} comes every {mean:.3g} s, but sample_time is "
+                f"{given:g} s: set it to that"
+            )
+
+
+class ArmFriction:
+    """Friction of the pendulum's arm, from the estimate of its state."""
+
+    NEEDS = (
+        "effort (observed friction) in joint_states; use an estimator that observes it (method "
+        "kalman)"
+    )
+
+    def __init__(self) -> None:
+        self._memory = new_memory(CompensationMemory)
+        self._x = NO_SIGNALS
+
+    @property
+    def compensation(self) -> np.ndarray:
+        """The memory of the compensators."""
+        return self._memory
+
+    def design(self, parameters: ObserverNodeParameters) -> None:
+        """Switch to the compensator that the parameters describe; the memory is kept."""
+        self._compensator = block(design_compensator(parameters.observer))
+        self._step = for_types_of(_step, self._memory, NO_SIGNALS, self._compensator, False)
+
+    def estimate(self, x: Signals, interval: int) -> float:
+        """F̂ [V] for the state ``x`` (5,) an ``interval`` [ns] after the last; NaN if impossible."""
+        friction = self._step(self._memory, x, self._compensator, starts_anew(interval))
+        if not isnan(friction):
+            self._x = x
+        return friction
+
+    def is_blind(self) -> bool:
         """Whether the newest state is known, and without its observed friction."""
         *x, observed = self._x
         return isnan(observed) and not isnan(sum(x))

@@ -46,6 +46,21 @@ def typed_joint_state(data: bytes) -> tuple[int, Signals]:
     return stamp_nanoseconds(message), (*of_arm, *of_pendulum, efforts[arm] if efforts else nan)
 
 
+def joint_numbers(data: bytes, joint: str) -> tuple[int, list[float]] | None:
+    """Stamp [ns], position, velocity and effort of a joint in a JointState; NaN if not given.
+
+    None if the message says nothing of the joint, as another part of the robot may have sent it.
+    Raises RefusedError if it is no JointState.
+    """
+    message: JointState = deserialized(data, JointState)
+    if joint not in message.name:
+        return None
+    index = message.name.index(joint)
+    series = message.position, message.velocity, message.effort
+    numbers = [float(each[index]) if index < len(each) else nan for each in series]
+    return stamp_nanoseconds(message), numbers
+
+
 def read_joint_state(data: bytes, x: np.ndarray) -> int:
     """Write state and effort of a serialised JointState to ``x`` (5,); return its stamp [ns]."""
     stamp, x[:] = unpack_joint_state(data) or typed_joint_state(data)

@@ -9,6 +9,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
@@ -78,12 +79,16 @@ class FurutaNode(Node, Generic[Group]):
         """Do what is left when the node is about to spin; returns why it is not ready, if so."""
         return ""
 
-    def subscribe_to(self, topic: Topic, receive: Callable[[bytes], None]) -> None:
+    def subscribe_to(
+        self, topic: Topic, receive: Callable[[bytes], None], qos: QoSProfile = QOS
+    ) -> None:
         """Call ``receive`` with each serialised message of a topic of the graph.
 
         A message that is too old in real time, or that ``receive`` refuses, is counted and logged.
+        With another quality of service the topic is one of a robot: it may have several publishers.
         """
-        self._inputs.append(topic)
+        if qos is QOS:
+            self._inputs.append(topic)
 
         @wraps(_data_and_info)
         def checked(data: Any, info: Any = None) -> None:
@@ -101,7 +106,7 @@ class FurutaNode(Node, Generic[Group]):
             except Exception as error:
                 self._report_failure(topic.name, error)
 
-        super().create_subscription(topic.type, topic.name, checked, QOS, raw=True)
+        super().create_subscription(topic.type, topic.name, checked, qos, raw=True)
 
     def second_publishers(self, topics: Sequence[Topic]) -> str:
         """Who publishes a topic besides its publisher; empty if nobody does."""

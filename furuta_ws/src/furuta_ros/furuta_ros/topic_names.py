@@ -12,6 +12,7 @@ JOINTS: Final = ("arm", "pendulum")
 
 MEASUREMENT: Final = "measurement"
 JOINT_STATES: Final = "joint_states"
+REFERENCE: Final = "reference"
 FRICTION_ESTIMATE: Final = "friction_estimate"
 COMMAND: Final = "command"
 GROUND_TRUTH: Final = "ground_truth"

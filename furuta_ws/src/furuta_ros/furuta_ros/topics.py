@@ -25,6 +25,9 @@ QOS = QoSProfile(
     durability=QoSDurabilityPolicy.VOLATILE,
 )
 
+# Robots publish their states either way; a best-effort subscriber receives both.
+BEST_EFFORT = QoSProfile(depth=10, reliability=QoSReliabilityPolicy.BEST_EFFORT)
+
 
 def deep(depth: int) -> QoSProfile:
     """The same quality of service with a queue of ``depth`` messages, for a slow subscriber."""
@@ -63,6 +66,12 @@ JOINT_STATES = Topic(
     JointState,
     "estimator → observer, controller",
     "state estimate; `effort[0]` is the observed friction [V]",
+)
+REFERENCE = Topic(
+    topic_names.REFERENCE,
+    JointState,
+    "trajectory generator → observer of a joint",
+    "velocity that the joint is to have",
 )
 FRICTION_ESTIMATE = Topic(
     topic_names.FRICTION_ESTIMATE, Float64, "friction observer → controller", "F̂ [V]"

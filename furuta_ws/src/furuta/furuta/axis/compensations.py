@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.axis.axis import Axis, Controller, poles, servo_cycle
-from furuta.axis.simulation import CANDIDATES, MOST_SAMPLES, simulate_axis
+from furuta.axis.servo import CANDIDATES
+from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
 from furuta_model.parameters import ParameterError
 

@@ -1,183 +1,76 @@
-r"""Simulates an axis with encoder, observer, compensator and controller.
+"""Simulates an axis with encoder, observer, compensator and controller.
 
-The compensators are those of the friction observer of the pendulum, as they are. So the axis is
-simulated in units in which it resembles the arm of the paper's rig: friction of 0.21 V accelerates
-it by 9.5 rad/s², and the poles are at about 7 1/s. An encoder measures the position. A stationary
-Kalman filter finds speed and friction from it,
-
-.. math:: J\dot v = τ - σ_2 v - F, \qquad \dot F = w
-
-and the controller takes this speed in place of a filtered derivative.
+The plant is simulated in units in which it resembles the arm of the paper's rig, controller and
+compensation (:mod:`furuta.axis.servo`) in those of the axis.
 """
 
 from dataclasses import dataclass, field
-from math import inf
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import expm, solve_discrete_are
 
-from furuta.axis.axis import Axis, Cascade, Controller, check_axis, poles, released
-from furuta.limit_cycles.joint import Units, friction_in
-from furuta_control.estimators.kalman import KalmanParameters
-from furuta_control.modes import super_twisting
-from furuta_control.modes.super_twisting import SuperTwisting, SuperTwistingMemory
-from furuta_friction.compensation import (
-    COMPENSATIONS,
-    CompensationDesign,
-    CompensationMemory,
-    ObserverParameters,
-    design_compensator,
-    estimate_friction,
+from furuta.axis.axis import Axis, Controller, check_axis, released
+from furuta.axis.servo import (
+    CANDIDATES,
+    ServoDesign,
+    ServoMemory,
+    design_servo,
+    observer_parameters,
+    paper_units,
+    servo_sample,
 )
+from furuta.limit_cycles.joint import Units, friction_in
 from furuta_model.block import new_memory, zeros
 from furuta_model.compiled import compiled
 from furuta_model.friction.laws import LAWS, FrictionLaw, friction_law
-from furuta_model.friction.lugre import highest_level
-from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import variance
-from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, PLANT_STATES, SIGNALS
+from furuta_model.state import PHI, PLANT_STATES
 from furuta_recordings.recording import Recording
 
-# Of the paper's rig: level of friction [V], acceleration by it [rad/s²], size of the poles [1/s].
-LEVEL, ACCELERATION, POLES = 0.21, 9.5, 7.0
-# Bound on the rate of the friction for super-twisting [V/s], and largest correction [V].
-RATE_BOUND, LARGEST_CORRECTION = 10.0, 1.0
-SUPER_TWISTING = "super_twisting"
-CANDIDATES = (*COMPENSATIONS, SUPER_TWISTING)
-# Variance of a position [rad²] that is measured without an encoder's counts.
-SMALLEST_VARIANCE = 1e-12
 MOST_SAMPLES = 5_000_000
 
 
-class Feedback(NamedTuple):
-    """Gains on error, speed, speed of the reference and integral; what the integral integrates."""
-
-    error: float
-    speed: float
-    reference_speed: float
-    integral: float
-    integrates_error: float
-    integrates_speed: float
-
-
-class Observer(NamedTuple):
-    """Transition (3, 4) of (q, v, F) and torque over one sample, and gain (3,) for the position."""
-
-    step: np.ndarray
-    gain: np.ndarray
-
-
 class LoopDesign(NamedTuple):
-    """The loop in the units of the simulation.
+    """Plant and servo: ``dt``, ``position`` and ``force`` are in or of the units of the plant.
 
-    ``resolution`` is a count of the encoder, 0 for a perfect sensor.
+    ``resolution`` is a count of the encoder in those of the axis, 0 for a perfect sensor.
     """
 
     body: FurutaPendulum
     law: FrictionLaw
     substeps: int
-    resolution: float
     dt: float
-    feedback: Feedback
-    observer: Observer
-    compensation: CompensationDesign
-    twisting: SuperTwisting
+    position: float
+    force: float
+    resolution: float
+    servo: ServoDesign
 
 
 @dataclass
 class LoopMemory:
-    """Plant and estimate, integral of the controller, and memories of the compensators."""
+    """State of the plant, and memory of the servo."""
 
     x: np.ndarray = zeros(PLANT_STATES)
-    estimate: np.ndarray = zeros(3)
-    integral: float = 0.0
-    compensation: CompensationMemory = field(default_factory=CompensationMemory)
-    twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
+    servo: ServoMemory = field(default_factory=ServoMemory)
 
 
-def paper_units(axis: Axis, controller: Controller) -> Units:
-    """Units in which the axis resembles the arm of the paper's rig."""
-    sizes = np.abs(poles(axis, controller))
-    sizes = sizes[sizes > 1e-9 * np.max(sizes, initial=0.0)]
-    if not len(sizes):
-        raise ParameterError("the loop has no poles but 0: give gains above 0")
-    time = POLES / float(np.exp(np.mean(np.log(sizes))))
-    level = highest_level(axis.friction)
-    position = level / axis.inertia * time**2 / ACCELERATION
-    return Units(time, position, level / LEVEL, np.eye(1))
-
-
-def design_loop(
-    axis: Axis,
-    model: Axis,
-    controller: Controller,
-    compensation: str,
-    count: float,
-    sample_time: float,
-    units: Units,
-) -> LoopDesign:
-    """The loop in these units. Observer and compensation have the friction of the ``model``."""
-    dt = sample_time / units.time
-    true, assumed = friction_in(units, axis.friction), friction_in(units, model.friction)
-    of_inertia = units.position / (units.force * units.time**2)
-    body = FurutaPendulum(axis.inertia * of_inertia, 1.0, 0.0, 0.0)
-    inertia = model.inertia * of_inertia
-    # The bristle of a law that has none is that of the paper's arm.
-    bristle = assumed if model.law in ("lugre", "dahl") else Friction()
-    dry = assumed._replace(viscous=0.0, sigma0=bristle.sigma0, sigma1=bristle.sigma1)
-    twists = compensation == SUPER_TWISTING
-    parameters = ObserverParameters(
-        compensation="none" if twists else compensation, friction=dry, sample_time=dt
-    )
+def design_loop(axis: Axis, units: Units, count: float, servo: ServoDesign) -> LoopDesign:
+    """The loop of an axis in these units and a servo."""
+    dt, friction = servo.dt / units.time, friction_in(units, axis.friction)
+    inertia = axis.inertia * units.position / (units.force * units.time**2)
+    body = FurutaPendulum(inertia, 1.0, 0.0, 0.0)
     return LoopDesign(
         body=body,
-        law=friction_law(axis.law, true),
-        substeps=substeps_for(dt, body, true),
-        resolution=count / units.position,
+        law=friction_law(axis.law, friction),
+        substeps=substeps_for(dt, body, friction),
         dt=dt,
-        feedback=_feedback(controller, units),
-        observer=_observer(inertia, assumed.viscous, count / units.position, dt),
-        compensation=design_compensator(parameters),
-        twisting=super_twisting.design(
-            rate_bound=RATE_BOUND if twists else 0.0,
-            bandwidth=0.0,
-            vibration_limit=inf,
-            closed=(1.0 / inertia, -assumed.viscous / inertia, 0.0, 0.0),
-            b=1.0 / inertia,
-            dt=dt,
-        ),
+        position=units.position,
+        force=units.force,
+        resolution=count,
+        servo=servo,
     )
-
-
-def _feedback(controller: Controller, units: Units) -> Feedback:
-    """The controller in these units."""
-    stiffness, damping = units.position / units.force, units.speed / units.force
-    if isinstance(controller, Cascade):
-        k, speed = controller.position * units.time, controller.speed * damping
-        integral = controller.integral * stiffness
-        return Feedback(speed * k, -speed, 0.0, integral, k, -1.0)
-    kp, ki, kd = controller.kp * stiffness, controller.ki * stiffness, controller.kd * damping
-    return Feedback(kp, -kd, kd, ki * units.time, 1.0, 0.0)
-
-
-def _observer(inertia: float, viscous: float, count: float, dt: float) -> Observer:
-    """The stationary Kalman filter for the position, with the process noise of the rig's."""
-    system = np.zeros((4, 4))
-    system[0, 1] = 1.0
-    system[1, 1:] = np.array([-viscous, -1.0, 1.0]) / inertia
-    step = expm(system * dt)[:3]
-    noise = KalmanParameters().friction_process_noise
-    # A friction that is drawn anew every sample acts on speed and position over the whole sample.
-    column = step[:, 2].copy()
-    process = dt * noise**2 * np.outer(column, column)
-    measured = max(variance(0.0, count), SMALLEST_VARIANCE)
-    output = np.eye(1, 3)
-    covariance = solve_discrete_are(step[:, :3].T, output.T, process, [[measured]])
-    return Observer(step, covariance[:, 0] / (covariance[0, 0] + measured))
 
 
 @compiled
@@ -189,35 +82,17 @@ def run_loop(
     series: np.ndarray,
 ) -> None:
     """Write true position, measured position and torque of each sample to ``series`` (3, n)."""
-    loop, state, torque = memory[0], np.zeros(SIGNALS), 0.0
-    x, estimate, before = loop.x, loop.estimate, np.zeros(3)
+    x, torque = memory[0].x, 0.0
     for k in range(len(reference)):
-        measured = x[PHI]
+        position = p.position * x[PHI]
+        measured = position
         if p.resolution > 0.0:
             measured = p.resolution * np.floor(measured / p.resolution + 0.5)
-        if k > 0:
-            before[:] = estimate
-            for i in range(3):
-                estimate[i] = p.observer.step[i, 3] * torque
-                for j in range(3):
-                    estimate[i] += p.observer.step[i, j] * before[j]
-            innovation = measured - estimate[0]
-            for i in range(3):
-                estimate[i] += p.observer.gain[i] * innovation
-        error, v = reference[k] - measured, estimate[1]
-        state[PHI], state[PHI_DOT], state[OBSERVED_FRICTION] = -error, v, estimate[2]
-        f = p.feedback
-        loop.integral += p.dt * (f.integrates_error * error + f.integrates_speed * v)
-        torque = f.error * error + f.speed * v + f.reference_speed * speeds[k]
-        torque += f.integral * loop.integral
-        nominal = torque
-        torque += estimate_friction(loop.compensation, state, p.compensation)
-        if p.twisting.rate_bound > 0.0:
-            torque += super_twisting.correction(
-                loop.twisting, state, nominal, LARGEST_CORRECTION, p.twisting
-            )
-        series[0, k], series[1, k], series[2, k] = x[PHI], measured, torque
-        advance(x, torque, p.dt, p.substeps, p.body, p.law)
+        torque, _ = servo_sample(
+            memory[0].servo, measured, torque, reference[k], speeds[k], p.servo
+        )
+        series[0, k], series[1, k], series[2, k] = position, measured, torque
+        advance(x, torque / p.force, p.dt, p.substeps, p.body, p.law)
 
 
 class AxisRecord(NamedTuple):
@@ -304,13 +179,14 @@ def simulate_axis(
     speeds = np.gradient(positions, sample_time)
     units = paper_units(axis, controller)
     count = 2.0 * np.pi / counts if counts else 0.0
-    design = design_loop(axis, model or axis, controller, compensation, count, sample_time, units)
+    observer = observer_parameters(model or axis, units, compensation, count, sample_time)
+    design = design_loop(axis, units, count, design_servo(controller, observer))
     memory = new_memory(LoopMemory)
-    memory[0]["x"][PHI] = memory[0]["estimate"][0] = (positions[0] - offset) / units.position
+    memory[0]["x"][PHI] = (positions[0] - offset) / units.position
     series = np.empty((3, len(positions)))
-    run_loop(memory, positions / units.position, speeds / units.speed, design, series)
+    run_loop(memory, positions, speeds, design, series)
     if not np.all(np.isfinite(series)):
         raise ParameterError("the motion grows beyond all numbers: choose other gains or reference")
-    position, measured, torque = series * [[units.position], [units.position], [units.force]]
+    position, measured, torque = series
     times: np.ndarray = sample_time * np.arange(len(positions))
     return AxisRecord(times, positions, position, measured, torque)

@@ -17,7 +17,7 @@ from furuta_model.parameters import ParameterError, values
 if TYPE_CHECKING:
     from furuta_control.control import ControllerParameters
     from furuta_control.estimation import EstimatorParameters
-    from furuta_friction.compensation import ObserverParameters
+    from furuta_friction.joint_observer import ObserverNodeParameters
 
 
 class NodeDescription(NamedTuple):
@@ -79,7 +79,7 @@ NODES: dict[str, NodeDescription] = {
         ),
         NodeDescription(
             FRICTION_OBSERVER,
-            "furuta_friction.compensation:ObserverParameters",
+            "furuta_friction.joint_observer:ObserverNodeParameters",
             "furuta_friction.friction_observer_node:FrictionObserverNode",
         ),
         NodeDescription(
@@ -132,10 +132,15 @@ def _check_sample_times(parameters: Mapping[str, Any]) -> None:
 
 
 def _check_observed_friction(
-    observer: ObserverParameters | None, estimator: EstimatorParameters
+    node: ObserverNodeParameters | None, estimator: EstimatorParameters
 ) -> None:
     """Some compensations need an estimator that estimates the friction too."""
-    if observer is None or not observer.chosen.needs_observed_friction:
+    if node is None:
+        return
+    if node.joint != "arm":
+        raise ParameterError(f"joint must be arm in the pendulum's graph, given {node.joint}")
+    observer = node.observer
+    if not observer.chosen.needs_observed_friction:
         return
     if not estimator.chosen.observes_friction:
         raise ParameterError(

@@ -154,9 +154,8 @@ def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:
 
 
 def _loop(made: Mapping[str, Any]) -> Loop:
-    return Loop(
-        made["plant"].plant, made["estimator"], made["friction_observer"], made["controller"]
-    )
+    plant, estimator, observer, controller = (made[node] for node in PARTS)
+    return Loop(plant.plant, estimator, observer.observer, controller)
 
 
 def read_file(file: Path, namespace: str = "") -> Settings:

@@ -47,7 +47,7 @@ class CombinedParameters(NamedTuple):
     reversal_speed: Annotated[
         float,
         About(
-            "combined: speed w within which the level changes sign, tanh(v/w)", "rad/s", 1e-4, 10.0
+            "combined: speed w within which the level changes sign, tanh(v/w)", "rad/s", 1e-9, 1e3
         ),
     ] = 0.05
     level_rate: Annotated[

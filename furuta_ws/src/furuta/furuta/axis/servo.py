@@ -1,0 +1,160 @@
+"""One sample of a servo: controller and friction compensation of an axis, from its position.
+
+The compensators are those of the friction observer, whose constants suit the arm of the paper's
+rig. So they are converted to units in which the axis resembles that arm: friction of 0.21 V
+accelerates it by 9.5 rad/s², and the poles are at about 7 1/s. The controller takes the observer's
+speed in place of a filtered derivative.
+"""
+
+from dataclasses import dataclass, field
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.axis.axis import Axis, Cascade, Controller, poles
+from furuta.limit_cycles.joint import Units
+from furuta_control.estimators.kalman import KalmanParameters
+from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
+from furuta_friction.joint_observer import (
+    JointDesign,
+    JointMemory,
+    JointModel,
+    ObserverNodeParameters,
+    design_joint,
+    joint_friction,
+)
+from furuta_model.compiled import inlined
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError
+
+# Of the paper's rig: level of friction [V], acceleration by it [rad/s²], size of the poles [1/s].
+LEVEL, ACCELERATION, POLES = 0.21, 9.5, 7.0
+# Bound on the rate of the friction for super-twisting [V/s], and largest correction [V].
+RATE_BOUND, LARGEST_CORRECTION = 10.0, 1.0
+SUPER_TWISTING = "super_twisting"
+CANDIDATES = (*COMPENSATIONS, SUPER_TWISTING)
+# Resolution [rad] that stands for a sensor without counts, on the paper's rig.
+PERFECT = 3e-6
+
+
+class Feedback(NamedTuple):
+    """Gains on error, speed, speed of the reference and integral; what the integral integrates."""
+
+    error: float
+    speed: float
+    reference_speed: float
+    integral: float
+    integrates_error: float
+    integrates_speed: float
+
+
+class ServoDesign(NamedTuple):
+    """Controller and compensation, in the units of the axis."""
+
+    feedback: Feedback
+    observer: JointDesign
+    dt: float
+
+
+@dataclass
+class ServoMemory:
+    """Integral of the controller, and the observer's memory."""
+
+    integral: float = 0.0
+    observer: JointMemory = field(default_factory=JointMemory)
+
+
+def paper_units(axis: Axis, controller: Controller | None = None) -> Units:
+    """Units in which the axis resembles the arm of the paper's rig; without a controller 1 s."""
+    time = 1.0
+    if controller is not None:
+        sizes = np.abs(poles(axis, controller))
+        sizes = sizes[sizes > 1e-9 * np.max(sizes, initial=0.0)]
+        if not len(sizes):
+            raise ParameterError("the loop has no poles but 0: give gains above 0")
+        time = POLES / float(np.exp(np.mean(np.log(sizes))))
+    level = highest_level(axis.friction)
+    position = level / axis.inertia * time**2 / ACCELERATION
+    return Units(time, position, level / LEVEL, np.eye(1))
+
+
+def observer_parameters(
+    axis: Axis, units: Units, compensation: str, resolution: float, sample_time: float
+) -> ObserverNodeParameters:
+    """Parameters of the friction observer for an axis, with a compensation of :data:`CANDIDATES`.
+
+    Viscous friction is left to damp the motion. The bristle of a law that has none is that of the
+    paper's arm.
+    """
+    t, q, f = units.time, units.position, units.force
+    usual, noise = ObserverParameters(), KalmanParameters().friction_process_noise
+    bristle = axis.friction
+    if axis.law not in ("lugre", "dahl"):
+        bristle = Friction(
+            sigma0=usual.friction.sigma0 * f / q, sigma1=usual.friction.sigma1 * f / q * t
+        )
+    dry = axis.friction._replace(viscous=0.0, sigma0=bristle.sigma0, sigma1=bristle.sigma1)
+    twists = compensation == SUPER_TWISTING
+    combined, adaptive = usual.parts.combined, usual.parts.adaptive
+    parts = usual.parts._replace(
+        combined=combined._replace(
+            filter_time=combined.filter_time * t,
+            reversal_speed=combined.reversal_speed * units.speed,
+            level_rate=combined.level_rate / t,
+        ),
+        adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
+    )
+    return ObserverNodeParameters(
+        ObserverParameters("none" if twists else compensation, dry, 0.0, parts, sample_time),
+        "axis",
+        JointModel(
+            inertia=axis.inertia,
+            viscous=axis.friction.viscous,
+            resolution=resolution or PERFECT * q,
+            friction_process_noise=noise * f / sqrt(t),
+            super_twisting=RATE_BOUND * f / t if twists else 0.0,
+            largest_correction=LARGEST_CORRECTION * f,
+            reference_speed=combined.reversal_speed * units.speed,
+        ),
+    )
+
+
+def design_servo(controller: Controller, observer: ObserverNodeParameters) -> ServoDesign:
+    """The controller, with the observer of these parameters."""
+    return ServoDesign(_feedback(controller), design_joint(observer), observer.observer.sample_time)
+
+
+def _feedback(controller: Controller) -> Feedback:
+    if isinstance(controller, Cascade):
+        k, speed, integral = controller
+        return Feedback(speed * k, -speed, 0.0, integral, k, -1.0)
+    kp, ki, kd, _ = controller
+    return Feedback(kp, -kd, kd, ki, 1.0, 0.0)
+
+
+@inlined
+def servo_sample(
+    memory: ServoMemory,
+    position: float,
+    torque: float,
+    reference: float,
+    reference_speed: float,
+    p: ServoDesign,
+) -> tuple[float, float]:
+    """The command [N m] and F̂ in it, until the next sample.
+
+    Args:
+        memory: What is remembered.
+        position: Measured position [rad].
+        torque: Torque applied since the sample before [N m].
+        reference: Position that is wanted [rad].
+        reference_speed: Its speed [rad/s].
+        p: The design.
+    """
+    friction = joint_friction(memory.observer, position, np.nan, torque, np.nan, p.observer)
+    error, v, f = reference - position, memory.observer.estimate[1], p.feedback
+    memory.integral += p.dt * (f.integrates_error * error + f.integrates_speed * v)
+    command = f.error * error + f.speed * v + f.reference_speed * reference_speed
+    return command + f.integral * memory.integral + friction, friction

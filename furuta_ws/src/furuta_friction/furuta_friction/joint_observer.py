@@ -1,0 +1,244 @@
+r"""Friction of a joint from its position and torque, in the joint's own units.
+
+.. math::
+    J\dot v = τ - g(q) - σ_2 v - F, \qquad \dot F = w, \qquad
+    g(q) = f_0 + g_s\sin q + g_c\cos q
+
+A stationary Kalman filter for this model gives speed and observed friction to the compensator. If
+the speed of the reference is known, the compensator gets a mixture: a measured speed is late, that
+of the reference is not, but says nothing while the reference rests. Super-twisting is added as an
+observer: what changes the speed besides τ and F̂ is the friction that F̂ lacks.
+"""
+
+from dataclasses import dataclass, field
+from math import inf, isnan, nan, sqrt
+from typing import Annotated, Final, NamedTuple
+
+import numpy as np
+
+from furuta_friction import super_twisting
+from furuta_friction.compensation import (
+    CompensationDesign,
+    CompensationMemory,
+    ObserverParameters,
+    design_compensator,
+    estimate_friction,
+)
+from furuta_friction.compensation import reset as reset_compensation
+from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
+from furuta_model.block import zeros
+from furuta_model.compiled import inlined
+from furuta_model.elementary import sin_cos
+from furuta_model.parameters import INLINE, SELECTS, About, ParameterError
+from furuta_model.registry import designed_once
+from furuta_model.sensors import variance
+from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, SIGNALS
+
+ARM: Final = "arm"
+
+
+class JointModel(NamedTuple):
+    """Parameters of a joint other than the pendulum's arm [rad, N m or m, N]."""
+
+    inertia: Annotated[
+        float,
+        About(
+            "inertia J; 0: not known, then the measured speed is used and no friction is observed",
+            "kg m²",
+            0.0,
+            1e6,
+        ),
+    ] = 0.0
+    viscous: Annotated[
+        float,
+        About("viscous friction that damps the motion and is not compensated", "N m s/rad", 0, 1e6),
+    ] = 0.0
+    offset: Annotated[float, About("constant load f₀", "N m", -1e6, 1e6)] = 0.0
+    gravity_sin: Annotated[float, About("load g_s sin q", "N m", -1e6, 1e6)] = 0.0
+    gravity_cos: Annotated[float, About("load g_c cos q", "N m", -1e6, 1e6)] = 0.0
+    resolution: Annotated[
+        float, About("smallest change of the measured position", "rad", 1e-12, 1.0)
+    ] = 1e-4
+    friction_process_noise: Annotated[
+        float, About("random change of the friction in one second", "N m/√s", 1e-9, 1e9)
+    ] = 1.0
+    super_twisting: Annotated[
+        float, About("bound C on the rate at which friction changes; 0: off", "N m/s", 0.0, 1e9)
+    ] = 0.0
+    largest_correction: Annotated[
+        float, About("largest integral of super-twisting", "N m", 0.0, 1e6)
+    ] = 1e6
+    reference_speed: Annotated[
+        float,
+        About("speed at which the reference's speed counts as much as the own", "rad/s", 0.0, 1e3),
+    ] = 0.05
+
+
+class ObserverNodeParameters(NamedTuple):
+    """Parameters of the node ``friction_observer``."""
+
+    observer: Annotated[ObserverParameters, INLINE] = ObserverParameters()
+    joint: Annotated[
+        str,
+        About(
+            "arm: the pendulum's, from the estimator; any other joint: from position and effort in "
+            "joint_states, with the model axis",
+            read_only=True,
+        ),
+    ] = ARM
+    axis: JointModel = JointModel()
+
+    def check(self) -> None:
+        """Reject a joint that the filter cannot be designed for."""
+        if self.joint != ARM:
+            design_joint(self)
+
+
+class JointDesign(NamedTuple):
+    """The observer of a joint: ``step`` (3, 4) of (q, v, F) and torque, ``gain`` (3,) for q."""
+
+    observes: Annotated[bool, SELECTS]
+    step: np.ndarray
+    gain: np.ndarray
+    model: JointModel
+    compensation: CompensationDesign
+    twisting: SuperTwisting
+
+
+@dataclass
+class JointMemory:
+    """Estimate (q, v, F), torque and F̂ since the sample before, memories of the parts."""
+
+    started: bool = False
+    estimate: np.ndarray = zeros(3)
+    state: np.ndarray = zeros(SIGNALS)
+    load: float = 0.0
+    torque: float = 0.0
+    friction: float = 0.0
+    compensation: CompensationMemory = field(default_factory=CompensationMemory)
+    twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
+
+
+@designed_once
+def design_joint(p: ObserverNodeParameters) -> JointDesign:
+    """The observer that the parameters describe.
+
+    Raises:
+        ParameterError: The filter cannot be designed for these numbers.
+    """
+    model, dt = p.axis, p.observer.sample_time
+    known = model.inertia > 0.0
+    step, gain = _kalman(model, dt) if known else (np.zeros((3, 4)), np.zeros(3))
+    twisting = super_twisting.design(
+        rate_bound=model.super_twisting if known else 0.0,
+        bandwidth=0.0,
+        vibration_limit=inf,
+        closed=(0.0, 0.0, 0.0, 0.0),
+        b=1.0 / model.inertia if known else 1.0,
+        dt=dt,
+    )
+    return JointDesign(known, step, gain, model, design_compensator(p.observer), twisting)
+
+
+def _kalman(model: JointModel, dt: float) -> tuple[np.ndarray, np.ndarray]:
+    """Transition and gain, designed in units of the resolution, the sample time and the inertia."""
+    from scipy.linalg import expm, solve_discrete_are  # slow; the arm does not need it
+
+    force = model.inertia / dt**2
+    units = model.resolution * np.array([1.0, 1.0 / dt, force, force])
+    system, measured = np.zeros((4, 4)), variance(0.0, 1.0)
+    system[0, 1] = 1.0
+    system[1, 1:] = -model.viscous * dt / model.inertia, -1.0, 1.0
+    with np.errstate(all="ignore"):
+        try:
+            step = expm(system)[:3]
+            # A friction that is drawn anew every sample acts over the whole sample.
+            column = step[:, 2] * model.friction_process_noise * sqrt(dt) / units[2]
+            noise = np.outer(column, column)
+            covariance = solve_discrete_are(step[:, :3].T, np.eye(1, 3).T, noise, [[measured]])
+        except (np.linalg.LinAlgError, ValueError):
+            raise ParameterError(
+                f"no filter for inertia {model.inertia:g}, resolution {model.resolution:g} and "
+                f"friction_process_noise {model.friction_process_noise:g} of axis at sample_time "
+                f"{dt:g}"
+            ) from None
+    gain = covariance[:, 0] / (covariance[0, 0] + measured)
+    return step * units[:3, None] / units, gain * units[:3] / units[0]
+
+
+@inlined
+def reset(memory: JointMemory) -> None:
+    """Begin anew with the next sample; levels that have adapted are kept."""
+    memory.started = memory.twisting.started = False
+    memory.friction = 0.0
+    reset_compensation(memory.compensation)
+
+
+@inlined
+def predict(memory: JointMemory, p: JointDesign) -> None:
+    """Move the estimate by one sample under the torque that was applied since the one before."""
+    q, v, friction = memory.estimate[0], memory.estimate[1], memory.estimate[2]
+    torque = memory.torque - memory.load
+    if p.twisting.rate_bound > 0.0:
+        moving = torque - p.model.viscous * v - memory.friction
+        memory.twisting.speed += p.twisting.dt * p.twisting.b * moving
+    for i in range(3):
+        memory.estimate[i] = (
+            p.step[i, 0] * q + p.step[i, 1] * v + p.step[i, 2] * friction + p.step[i, 3] * torque
+        )
+
+
+@inlined
+def joint_friction(
+    memory: JointMemory,
+    position: float,
+    speed: float,
+    torque: float,
+    reference_speed: float,
+    p: JointDesign,
+) -> float:
+    """F̂ [N m] from a sample of a joint; :func:`predict` is called for each one that is missing.
+
+    Args:
+        memory: What is remembered.
+        position: Measured position [rad].
+        speed: Measured speed [rad/s], used only without an inertia.
+        torque: Torque that was applied since the sample before [N m]; NaN if not known.
+        reference_speed: Speed of the reference [rad/s]; NaN without one.
+        p: The design.
+    """
+    x = memory.state
+    # The LuGre observer corrects by x[PHI], the distance from a reference: there is none.
+    x[PHI], x[PHI_DOT], x[OBSERVED_FRICTION] = 0.0, speed, nan
+    if p.observes:
+        if not isnan(torque):
+            memory.torque = torque
+        _observe(memory, position, p)
+        x[PHI_DOT] = memory.estimate[1]
+        if not isnan(torque):
+            x[OBSERVED_FRICTION] = memory.estimate[2]
+    own = x[PHI_DOT]
+    if not isnan(reference_speed) and reference_speed != 0.0:
+        square, half = reference_speed * reference_speed, p.model.reference_speed
+        x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
+    memory.friction = estimate_friction(memory.compensation, x, p.compensation)
+    if p.twisting.rate_bound > 0.0:
+        memory.friction += super_twisting.twist(
+            memory.twisting, own, p.model.largest_correction, p.twisting
+        )
+    return memory.friction
+
+
+@inlined
+def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
+    """Move the estimate by one sample, to a measured position."""
+    if memory.started:
+        predict(memory, p)
+        innovation = position - memory.estimate[0]
+        for i in range(3):
+            memory.estimate[i] += p.gain[i] * innovation
+    else:
+        memory.started = True
+        memory.estimate[0], memory.estimate[1], memory.estimate[2] = position, 0.0, 0.0
+    sine, cosine = sin_cos(position)
+    memory.load = p.model.offset + p.model.gravity_sin * sine + p.model.gravity_cos * cosine

@@ -1,0 +1,181 @@
+"""The friction of any joint, on joints with friction that truly sticks and is not the model's."""
+
+from collections.abc import Callable
+from math import nan
+
+import numpy as np
+import pytest
+
+from furuta_friction.compensation import ObserverParameters
+from furuta_friction.joint_friction import JointFriction
+from furuta_friction.joint_observer import JointModel, ObserverNodeParameters
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError, build
+
+INERTIA, LEVEL, GRAVITY, VISCOUS = 0.2, 2.0, 6.0, 0.3
+RESOLUTION = 2.0 * np.pi / 2**16
+MODEL = JointModel(
+    inertia=INERTIA,
+    viscous=VISCOUS,
+    gravity_sin=GRAVITY,
+    resolution=RESOLUTION,
+    friction_process_noise=3.0,
+    super_twisting=0.0,
+    largest_correction=10.0,
+)
+DRY = Friction(sigma0=2e4, sigma1=50.0, alpha0=LEVEL, alpha1=0.0, stribeck_velocity=0.05)
+
+
+def observer_of(
+    compensation: str = "none", model: JointModel = MODEL, dt: float = 1e-3
+) -> JointFriction:
+    """The observer of a joint."""
+    observer = JointFriction()
+    usual = ObserverParameters(compensation, DRY, sample_time=dt)
+    observer.design(ObserverNodeParameters(usual, "elbow_joint", model))
+    return observer
+
+
+class TrueJoint:
+    """A joint under gravity, with Coulomb friction as a set-valued force, in steps of 0.1 ms."""
+
+    def __init__(self, position: float = 0.0) -> None:
+        self.position, self.speed, self.friction = position, 0.0, 0.0
+
+    def move(self, torque: float, dt: float) -> None:
+        """Hold a torque for a sample."""
+        for _ in range(round(dt / 1e-4)):
+            load = GRAVITY * np.sin(self.position) + VISCOUS * self.speed
+            free = self.speed + 1e-4 * (torque - load) / INERTIA
+            self.friction = float(np.clip(free * INERTIA / 1e-4, -LEVEL, LEVEL))
+            self.speed = free - 1e-4 * self.friction / INERTIA
+            self.position += 1e-4 * self.speed
+
+    @property
+    def measured(self) -> float:
+        """The position in counts of an encoder."""
+        return RESOLUTION * np.floor(self.position / RESOLUTION + 0.5)
+
+
+def run(
+    observer: JointFriction, torque: Callable[[float, float], float], dt: float, seconds: float
+) -> np.ndarray:
+    """Time, true friction, estimate and true speed (n, 4); ``torque`` of time and position."""
+    joint, rows, applied = TrueJoint(), [], 0.0
+    for k in range(round(seconds / dt)):
+        estimate = observer.estimate((joint.measured, nan, applied, nan), round(dt * 1e9))
+        rows.append((k * dt, joint.friction, estimate, joint.speed))
+        applied = torque(k * dt, joint.position)
+        joint.move(applied, dt)
+    return np.array(rows)
+
+
+def pull(time: float, position: float) -> float:
+    """A torque that holds the weight and moves the joint back and forth."""
+    return 3.5 * np.sin(4.0 * time) + GRAVITY * np.sin(position)
+
+
+@pytest.mark.parametrize("dt", [0.02, 0.002, 5e-4])
+def test_observed_friction_is_the_true_one(dt: float) -> None:
+    """From 50 Hz to 2 kHz: while the joint slides, within 10 % of the level after 0.1 s."""
+    rows = run(observer_of("disturbance_observer", dt=dt), pull, dt, 6.0)
+    sliding = np.abs(rows[:, 3]) > 0.3
+    settled = sliding & np.roll(sliding, round(0.1 / dt)) & (rows[:, 0] > 0.5)
+    error = rows[settled, 2] - rows[settled, 1]
+    assert np.count_nonzero(settled) > 30
+    assert np.sqrt(np.mean(error**2)) < 0.1 * LEVEL
+
+
+def test_super_twisting_finds_the_friction_without_a_level() -> None:
+    """It knows no level, and F̂ need not be applied for it to converge."""
+    model = MODEL._replace(super_twisting=30.0)
+    rows = run(observer_of("none", model), pull, 1e-3, 6.0)
+    settled = (np.abs(rows[:, 3]) > 0.3) & (rows[:, 0] > 0.5)
+    assert np.mean(np.abs(rows[settled, 2] - rows[settled, 1])) < 0.15 * LEVEL
+
+
+@pytest.mark.parametrize("compensation", ["coulomb", "lugre", "disturbance_observer"])
+def test_compensation_lets_a_weak_torque_move_the_joint(compensation: str) -> None:
+    """A torque of a tenth of the level moves nothing alone; with 0.9 F̂ it moves the joint."""
+
+    def swing(name: str) -> float:
+        observer, joint, applied = observer_of(name), TrueJoint(), 0.0
+        moved = []
+        for k in range(4000):
+            friction = observer.estimate((joint.measured, nan, applied, nan), 1_000_000)
+            wanted = 4.0 * np.sin(2.0 * k * 1e-3) if k < 1000 else 0.2 * np.sin(2.0 * k * 1e-3)
+            applied = wanted + GRAVITY * np.sin(joint.position) + 0.9 * friction
+            joint.move(applied, 1e-3)
+            moved.append(joint.position)
+        return float(np.ptp(moved[2000:]))
+
+    assert swing("none") < 1e-3
+    assert swing(compensation) > 0.1
+
+
+def test_missing_samples_and_a_new_start() -> None:
+    """One lost sample in three changes little; after a gap the estimate begins anew."""
+    whole, gappy, joint = (
+        observer_of("disturbance_observer"),
+        observer_of("disturbance_observer"),
+        TrueJoint(),
+    )
+    applied, late, pairs = 0.0, 0, []
+    for k in range(3000):
+        a = whole.estimate((joint.measured, nan, applied, nan), 1_000_000)
+        late += 1_000_000
+        if k % 3:
+            b = gappy.estimate((joint.measured, nan, applied, nan), late)
+            late = 0
+            pairs.append((a, b))
+        applied = pull(k * 1e-3, joint.position)
+        joint.move(applied, 1e-3)
+    a, b = np.array(pairs[500:]).T
+    assert np.sqrt(np.mean((a - b) ** 2)) < 0.1 * LEVEL
+    assert gappy.estimate((5.0, nan, 0.0, nan), 10**9) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_speed_of_the_reference_takes_over_where_it_is_fast() -> None:
+    """Far above reference_speed only the reference counts, at rest only the own speed."""
+    model = JointModel(reference_speed=0.1)
+    observer = observer_of("coulomb", model)
+    for reference, own, expected in (
+        (2.0, -0.1, LEVEL),
+        (0.001, -0.1, -LEVEL),
+        (0.0, -0.1, -LEVEL),
+        (nan, -0.1, -LEVEL),
+        (-2.0, 0.1, -LEVEL),
+    ):
+        assert observer.estimate((0.0, own, nan, reference), 1_000_000) == expected
+
+
+def test_without_an_inertia_the_measured_speed_counts() -> None:
+    """Coulomb compensation needs neither a model nor an effort; no friction is observed."""
+    observer = observer_of("coulomb", JointModel())
+    assert observer.estimate((1.0, 0.2, nan, nan), 1_000_000) == LEVEL
+    assert observer.is_blind()
+    observed = observer_of("disturbance_observer", JointModel())
+    assert observed.estimate((1.0, 0.2, 5.0, nan), 1_000_000) == 0.0
+
+
+def test_an_effort_that_is_missing_once_is_held() -> None:
+    """A single NaN does not disturb the estimate of the speed."""
+    rows = []
+    for missing in (False, True):
+        observer, joint, applied = observer_of("coulomb"), TrueJoint(), 0.0
+        for k in range(2000):
+            effort = nan if missing and k % 50 == 7 else applied
+            rows.append(observer.estimate((joint.measured, nan, effort, nan), 1_000_000))
+            applied = pull(k * 1e-3, joint.position)
+            joint.move(applied, 1e-3)
+    whole, holey = np.array(rows).reshape(2, -1)
+    assert np.mean(whole != holey) < 0.02
+
+
+def test_impossible_numbers_and_models_are_refused() -> None:
+    """A huge position is no sample; a model for which there is no filter is no parameter."""
+    observer = observer_of("lugre")
+    assert np.isnan(observer.estimate((1e9, 0.0, 0.0, nan), 1_000_000))
+    with pytest.raises(ParameterError, match="no filter for inertia 1e-300"):
+        build(ObserverNodeParameters, {"joint": "elbow", "axis.inertia": 1e-300})
+    assert build(ObserverNodeParameters, {"axis.inertia": 1e-300}).joint == "arm"
