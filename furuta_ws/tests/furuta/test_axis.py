@@ -13,10 +13,16 @@ import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Controller, parse_friction
 from furuta.axis.compensations import residual
 from furuta.limit_cycles.joint import JointCycle
+from furuta_ros.parameter_files import read_sections
 
 FRICTION = furuta.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
 AXIS = furuta.Axis(0.01, FRICTION)
 PID = furuta.Pid(1.0, 2.0, 0.08)
+# Parameters of a joint in units of torque.
+OF_FORCE = {
+    *("alpha0", "alpha1", "sigma0", "sigma1", "axis.inertia", "axis.viscous", "axis.offset"),
+    *("axis.friction_process_noise", "axis.largest_correction"),
+}
 
 
 def settled(axis: furuta.Axis, controller: Controller, cycle: JointCycle, **options: str) -> float:
@@ -41,6 +47,13 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     assert axis.friction.alpha0 == pytest.approx(FRICTION.alpha0, rel=0.02)
     assert axis.friction.alpha1 == pytest.approx(FRICTION.alpha1, rel=0.05)
     assert fit.resolution == pytest.approx(2.0 * np.pi / 4096, rel=1e-6)
+    path = tmp_path / "joint.yaml"
+    furuta.write_joint_file(path, {"left/elbow": fit}, PID, recommended.compensation)
+    written = furuta.read_joint_file(path)
+    assert written.joint == "left/elbow"
+    assert written.controller == PID
+    assert written.parameters["axis.inertia"] == pytest.approx(axis.inertia, rel=1e-5)
+    assert f"axis.viscous: {axis.friction.viscous:.6g}  # ± " in path.read_text()
     hunting = settled(AXIS, PID, cycle)
     assert cycle.peak_to_peak == pytest.approx(hunting, rel=0.05)
     assert settled(AXIS, PID, cycle, compensation=recommended.compensation) < 0.1 * hunting
@@ -201,3 +214,43 @@ def test_bad_input_is_refused() -> None:
             parse_friction(wrong, "stribeck")
     with pytest.raises(furuta.ParameterError, match="unbounded"):
         furuta.compare_on_axis(AXIS, furuta.Pid(1.0, 100.0, 0.01))
+
+
+def test_joint_file_of_several_joints(tmp_path: Path) -> None:
+    """Two joints, of which one has 100 times the torque: only what has the unit of torque grows."""
+    time = np.arange(0.0, 6.0, 1e-3)
+    moves = 1.5 * np.sin(1.3 * time) + 0.6 * np.sin(3.7 * time)
+    recorded = furuta.simulate_axis(AXIS, PID, reference=moves).recording
+    fit = furuta.identify_axis(recorded)
+    strong = furuta.identify_axis(recorded._replace(command=100.0 * recorded.command))
+    path = tmp_path / "joints.yaml"
+    furuta.write_joint_file(path, {"on": fit, "2 b": strong}, PID, "super_twisting")
+    assert [section.key for section in read_sections(path)][::2] == [
+        *("/on/friction_observer", "/_2_b/friction_observer"),
+    ]
+    furuta.write_joint_file(path, {"on": fit, "2 b": strong})
+    weak, other = (furuta.read_joint_file(path, name).parameters for name in ("on", "2 b"))
+    for name, value in weak.items():
+        if isinstance(value, float) and value:
+            force = name in OF_FORCE or "gravity" in name
+            assert other[name] == pytest.approx(100.0 * value if force else value, rel=1e-3), name
+    assert weak["compensation"] == "lugre"
+    twists = furuta.joint_parameters(fit, "on", 1e-3, PID, "super_twisting")
+    assert (twists["compensation"], weak["axis.super_twisting"]) == ("none", 0.0)
+    assert twists["axis.super_twisting"] > 0.0
+
+
+def test_what_is_no_joint_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "joints.yaml"
+    joint = "/{0}/friction_observer: {{ros__parameters: {{joint: {0}}}}}\n"
+    gains = "/a/controller: {ros__parameters: {pid: [1.0, -2.0, 0.1]}}\n"
+    for text, name, words in (
+        ("", None, "is no joint file"),
+        ("/a: {ros__parameters: {joint: a}}", None, "is no joint file"),
+        (joint.format("a") + joint.format("b"), None, "several joints, name one"),
+        (joint.format("elbow"), "elbo", "no joint elbo; it has elbow; did you mean elbow"),
+        (joint.format("a") + gains, None, "the controller must be pid"),
+    ):
+        path.write_text(text)
+        with pytest.raises(furuta.ParameterError, match=words):
+            furuta.read_joint_file(path, name)

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from furuta.axis.draws import consequences as consequences
     from furuta.axis.draws import drawn_axes as drawn_axes
     from furuta.axis.draws import identified_axis as identified_axis
+    from furuta.axis.joint_file import joint_parameters as joint_parameters
+    from furuta.axis.joint_file import read_joint_file as read_joint_file
+    from furuta.axis.joint_file import write_joint_file as write_joint_file
     from furuta.axis.simulation import simulate_axis as simulate_axis
     from furuta.describing_functions.describing_function import (
         describing_function as describing_function,

@@ -1,0 +1,261 @@
+"""Joint files: ROS parameter files with what compensates the friction of identified joints.
+
+Each joint has a section for its node ``friction_observer``, in the namespace of its name, and one
+with its controller if that is known. A recording does not show bristle, noise and rates. They are
+those of the paper's arm, in the units in which the joint resembles it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+
+from furuta.axis.axis import Axis, Cascade, Controller, Pid
+from furuta.axis.draws import identified_axis, left_out
+from furuta.axis.simulation import (
+    ACCELERATION,
+    LARGEST_CORRECTION,
+    LEVEL,
+    POLES,
+    RATE_BOUND,
+    SUPER_TWISTING,
+    paper_units,
+)
+from furuta.identification.axis.identify import AxisFit
+from furuta.limit_cycles.joint import Units, friction_in
+from furuta_control.estimators.kalman import KalmanParameters
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
+from furuta_model.parameters import ParameterError, number_from_text, shortened, suggestion, values
+from furuta_ros.parameter_files import PARAMETERS, read_sections
+from furuta_ros.whole_files import whole_file
+
+OBSERVER, CONTROLLER = "friction_observer", "controller"
+CONTROLLERS: dict[str, type[Pid] | type[Cascade]] = {"pid": Pid, "cascade": Cascade}
+# Found values by their names in a fit. Those of the axis have the prefix ``axis.`` in the file.
+OF_FRICTION = ("alpha0", "alpha1", "stribeck_velocity", "asymmetry")
+OF_AXIS = ("inertia", "viscous", "offset", "gravity_sin", "gravity_cos")
+# Compensation if no controller is known with which others could be compared.
+USUAL = "lugre"
+# Digits that are written.
+DIGITS = 6
+
+
+class JointFile(NamedTuple):
+    """What a joint file says of one joint: its parameters by full name, and its controller."""
+
+    joint: str
+    parameters: dict[str, Any]
+    controller: Controller | None
+
+
+def joint_parameters(
+    fit: AxisFit,
+    joint: str,
+    sample_time: float,
+    controller: Controller | None = None,
+    recommended: str | None = None,
+) -> dict[str, Any]:
+    """Parameters of the node ``friction_observer`` for an identified joint, by full name.
+
+    Args:
+        fit: What :func:`furuta.identify_axis` returned.
+        joint: Name of the joint.
+        sample_time: Time between its measurements [s].
+        controller: Its gains, if they are known.
+        recommended: The compensation that is recommended with them.
+
+    Raises:
+        ParameterError: No friction was found.
+    """
+    if not fit.values.get("alpha0", 0.0) > 0.0:
+        raise ParameterError(f"{joint}: no dry friction found, so there is nothing to compensate")
+    twists = recommended == SUPER_TWISTING
+    scaled = scaled_parameters(joint_units(identified_axis(fit), controller), twists)
+    found = {name: fit.values.get(name, 0.0) for name in OF_FRICTION}
+    small = scaled.pop("stribeck_velocity")
+    return {
+        "joint": joint,
+        "sample_time": sample_time,
+        "compensation": "none" if twists else recommended or USUAL,
+        **found,
+        "stribeck_velocity": found["stribeck_velocity"] or small,
+        "viscous": 0.0,
+        **scaled,
+        **{f"axis.{name}": fit.values.get(name, 0.0) for name in OF_AXIS},
+        "axis.resolution": fit.resolution,
+    }
+
+
+def joint_units(axis: Axis, controller: Controller | None) -> Units:
+    """Units in which the joint resembles the paper's arm; without controller that of time is 1 s.
+
+    The loop is then supposed to have the poles of the arm.
+    """
+    if controller is not None:
+        return paper_units(axis, controller)
+    level = highest_level(axis.friction)
+    return Units(1.0, level / axis.inertia / ACCELERATION, level / LEVEL, np.eye(1))
+
+
+def scaled_parameters(units: Units, twists: bool = False) -> dict[str, float]:
+    """What no recording shows, from the parameters for the paper's arm; with super-twisting or not.
+
+    There is no ``observer_gain``, because it corrects by the error of a reference.
+    """
+    time, position, force, _ = units
+    back = Units(1.0 / time, 1.0 / position, 1.0 / force, np.eye(1))
+    bristle = friction_in(back, Friction())
+    of_arm = values(ObserverParameters())
+    noise = KalmanParameters().friction_process_noise
+    return {
+        "sigma0": bristle.sigma0,
+        "sigma1": bristle.sigma1,
+        "stribeck_velocity": bristle.stribeck_velocity,
+        "observer_gain": 0.0,
+        "adaptation_gain": of_arm["adaptation_gain"] / time,
+        "combined.filter_time": of_arm["combined.filter_time"] * time,
+        "combined.reversal_speed": of_arm["combined.reversal_speed"] * units.speed,
+        "combined.level_rate": of_arm["combined.level_rate"] / time,
+        "axis.friction_process_noise": noise * force / time**0.5,
+        "axis.super_twisting": RATE_BOUND * force / time if twists else 0.0,
+        "axis.largest_correction": LARGEST_CORRECTION * force,
+        "axis.reference_speed": of_arm["combined.reversal_speed"] * units.speed,
+    }
+
+
+def write_joint_file(
+    path: str | Path,
+    fits: Mapping[str, AxisFit],
+    controller: Controller | None = None,
+    recommended: str | None = None,
+) -> None:
+    """Write identified joints, by name, to a joint file.
+
+    Args:
+        path: The file.
+        fits: What :func:`furuta.identify_axis` returned for each joint.
+        controller: The gains of the joints, if they are known.
+        recommended: The compensation that is recommended with them.
+
+    Raises:
+        ParameterError: No friction was found, or two names are one for ROS.
+        UserError: The file cannot be written.
+    """
+    spaces = {namespace_of(joint): joint for joint in fits}
+    if len(spaces) < len(fits):
+        raise ParameterError(f"joints have the same name in ROS: {', '.join(fits)}")
+    lines = ["# Joint file of furuta axis. Units: N m, rad, kg m² and s, or N, m, kg and s."]
+    for space, joint in spaces.items():
+        fit = fits[joint]
+        sample_time = float(f"{fit.recordings[0].interval:.4g}")
+        written = joint_parameters(fit, joint, sample_time, controller, recommended)
+        lines += _about(fit, controller)
+        lines += _section(f"/{space}/{OBSERVER}", written, _comments(fit))
+        if controller is not None:
+            name = type(controller).__name__.lower()
+            gains = [*controller[:3], *filter(None, controller[3:])]
+            lines += _section(f"/{space}/{CONTROLLER}", {name: gains}, {})
+    with whole_file(Path(path)) as file:
+        file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def namespace_of(joint: str) -> str:
+    """The joint's name with ``_`` for what ROS does not allow in a namespace."""
+    name = re.sub(r"\W", "_", joint, flags=re.ASCII)
+    return name if re.match("[A-Za-z_]", name) else f"_{name}"
+
+
+def _about(fit: AxisFit, controller: Controller | None) -> Iterator[str]:
+    """Where the values of a joint are from, as comments."""
+    names = ", ".join(recording.name for recording in fit.recordings)
+    yield f"# From {_one_line(names)}. Usable: {'; '.join([fit.usable, *fit.reasons])}."
+    suited = "the controller below" if controller else f"poles at about {POLES:g} 1/s"
+    yield f"# Found values have their standard errors. Those of bristle and rates suit {suited}."
+    unused = [name for name in left_out(fit) if name not in OF_AXIS]
+    if unused:
+        yield f"# Found, but not compensated: {', '.join(unused)}."
+
+
+def _comments(fit: AxisFit) -> dict[str, str]:
+    """Standard errors by the names of the file, or why there is no value."""
+    names = {name: name for name in OF_FRICTION} | {f"axis.{name}": name for name in OF_AXIS}
+    errors = {name: f"± {error:.2g}" for name, error in fit.standard_errors.items()}
+    about = fit.undetermined | errors
+    if about.get("stribeck_velocity") == about.get("alpha1"):
+        del names["stribeck_velocity"]
+    return {name: about[own] for name, own in names.items() if own in about}
+
+
+def _section(key: str, parameters: Mapping[str, Any], about: Mapping[str, str]) -> Iterator[str]:
+    yield f"{key}:"
+    yield f"  {PARAMETERS}:"
+    for name, value in parameters.items():
+        comment = f"  # {_one_line(about[name])}" if name in about else ""
+        yield f"    {name}: {_text(value)}{comment}"
+
+
+def _text(value: Any) -> str:
+    """A value in YAML, on one line; a number with the digits that are written."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_text, value))}]"
+    plain = float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
+    return str(yaml.safe_dump(plain, width=np.inf)).splitlines()[0]
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
+    """A joint of a joint file.
+
+    Args:
+        path: The file.
+        joint: Name of the joint; needed if the file has several.
+
+    Raises:
+        ParameterError: The file has no such joint, or it is no joint file.
+    """
+    found = {section.key: section.parameters for section in read_sections(Path(path))}
+    joints = {
+        str(parameters["joint"]): key.rpartition("/")[0]
+        for key, parameters in found.items()
+        if key.rpartition("/")[2] == OBSERVER and "joint" in parameters
+    }
+    if not joints:
+        raise ParameterError(
+            f"{path} is no joint file: it has no section {OBSERVER} with a joint; `furuta axis "
+            "--save` writes one"
+        )
+    listed = ", ".join(joints)
+    if joint is None and len(joints) > 1:
+        raise ParameterError(f"{path} has several joints, name one with --joint: {listed}")
+    name = joint or next(iter(joints))
+    if name not in joints:
+        near = suggestion(name, joints)
+        raise ParameterError(f"{path} has no joint {shortened(name)[1:-1]}; it has {listed}{near}")
+    space = joints[name]
+    gains = found.get(f"{space}/{CONTROLLER}")
+    controller = None if gains is None else _controller(path, gains)
+    return JointFile(name, found[f"{space}/{OBSERVER}"], controller)
+
+
+def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:
+    """The gains in a section of a joint file."""
+    for name, kind in CONTROLLERS.items():
+        gains = given.get(name)
+        if isinstance(gains, list) and 2 <= len(gains) <= len(kind._fields):
+            numbers = [number_from_text(gain) for gain in gains]
+            if all(isinstance(n, (int, float)) and 0.0 <= n < np.inf for n in numbers):
+                return kind(*map(float, numbers))
+    allowed = " or ".join(f"{name} [{', '.join(k._fields)}]" for name, k in CONTROLLERS.items())
+    raise ParameterError(
+        f"{path}: the controller must be {allowed}, from 0 on, given {shortened(dict(given))}"
+    )
