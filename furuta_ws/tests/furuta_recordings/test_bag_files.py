@@ -15,7 +15,7 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags import writer as module
@@ -314,3 +314,104 @@ def test_an_axis_from_a_bag(tmp_path: Path) -> None:
     ):
         with pytest.raises(ParameterError, match=words):
             read_axis(bag, **options)
+
+
+def test_joints_of_several_publishers(tmp_path: Path) -> None:
+    """Their messages alternate, and one has no stamps: a joint has the times of its own ones."""
+    messages: list[Any] = []
+    for k in range(100):
+        at = BEGIN + k * STEP
+        messages.append((at, at - STEP // 4, {"a": (0.1 * k, 0.0, 1.0 * k)}))
+        messages.append((at + STEP // 2, 0, {"b": (0.2 * k, 0.0, 2.0 * k)}))
+    bag = joint_bag(tmp_path / "bag", messages)
+    for name, size in (("a", 0.1), ("b", 0.2)):
+        found = read_axis(bag, joint=name)
+        assert (found.joint, found.findings) == (name, ())
+        np.testing.assert_allclose(found.time, 0.01 * np.arange(100), atol=1e-9)
+        np.testing.assert_allclose(found.measured[:, 0], size * np.arange(100))
+        np.testing.assert_allclose(found.command, 10.0 * size * np.arange(100))
+
+
+STATES = "std_msgs/Header header\nstring[] joint_names\n"
+VALUE, DYNAMIC, TRAJECTORY = (
+    f"control_msgs/msg/{name}"
+    for name in ("InterfaceValue", "DynamicJointState", "JointTrajectoryControllerState")
+)
+USUAL = "sensor_msgs/msg/JointState"
+SQLITE, MCAP = StoragePlugin.SQLITE3, StoragePlugin.MCAP
+
+
+def control_bag(path: Path, plugin: StoragePlugin, points: dict[str, list[float]]) -> Path:
+    """Joint ``b`` moves by 0.1 rad a sample under the torque k; beside it a sensor, and ``a``.
+
+    Two topics of the usual type have ``b`` without effort, and ``c``.
+    ``points`` are those of a trajectory controller by name: factors on position and effort of b.
+    Without any, the states are dynamic ones.
+    """
+    types = get_typestore(Stores.ROS2_JAZZY)
+    fields = "\n".join(f"trajectory_msgs/JointTrajectoryPoint {name}" for name in points)
+    types.register(get_types_from_msg("string[] interface_names\nfloat64[] values", VALUE))
+    types.register(get_types_from_msg(f"{STATES}InterfaceValue[] interface_values", DYNAMIC))
+    types.register(get_types_from_msg(f"{STATES}{fields}", TRAJECTORY))
+    make = types.types.__getitem__
+    kind, none = TRAJECTORY if points else DYNAMIC, np.zeros(0)
+    point = make("trajectory_msgs/msg/JointTrajectoryPoint")
+    still = make("builtin_interfaces/msg/Duration")(0, 0)
+    with Writer(path, version=9, storage_plugin=plugin) as writer:
+        topic, right, left = (
+            writer.add_connection(name, each, typestore=types)
+            for name, each in (("/states", kind), ("/right", USUAL), ("/left", USUAL))
+        )
+        for k in range(50):
+            time = make("builtin_interfaces/msg/Time")(*divmod(BEGIN + k * STEP, 10**9))
+            header, names = make("std_msgs/msg/Header")(time, ""), ["sensor", "a", "b"]
+            rows = [
+                [np.array([0.0, 9.0, factor * k])[: 3 * bool(factor)] for factor in factors]
+                for factors in points.values()
+            ]
+            content = [point(row[0], none, none, row[1], still) for row in rows]
+            if not points:
+                interfaces = {"force.z": [1.0], "position": [9.0], "effort position": [k, 0.1 * k]}
+                values = [
+                    make(VALUE)(words.split(), np.array(series, float))
+                    for words, series in interfaces.items()
+                ]
+                content = [values]
+            message = make(kind)(header, names, *content)
+            writer.write(topic, BEGIN + k * STEP, types.serialize_cdr(message, kind))
+            for connection, name, effort in ((right, "b", none), (left, "c", np.ones(1))):
+                message = make(USUAL)(header, [name], np.array([-0.2 * k]), none, effort)
+                writer.write(connection, BEGIN + k * STEP, types.serialize_cdr(message, USUAL))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("points", "commanded"),
+    [
+        ({}, False),
+        ({"reference": [5.0, 5.0], "feedback": [0.1, 0.0], "output": [0.0, 1.0]}, True),
+        ({"feedback": [0.1, 1.0], "output": [0.0, 7.0]}, False),
+        ({"desired": [5.0, 0.0], "actual": [0.1, 1.0]}, False),
+    ],
+)
+def test_joint_states_of_controllers(
+    tmp_path: Path, points: dict[str, list[float]], commanded: bool
+) -> None:
+    """Position and effort, which may be the controller's output; by the bag's own definitions."""
+    bags = [control_bag(tmp_path / plugin.name, plugin, points) for plugin in (SQLITE, MCAP)]
+    for bag in bags:
+        found = read_axis(bag, joint="b")
+        np.testing.assert_allclose(found.time, 0.01 * np.arange(50), atol=1e-9)
+        np.testing.assert_allclose(found.measured[:, 0], 0.1 * np.arange(50))
+        np.testing.assert_allclose(found.command, np.arange(50.0))
+        assert f"{bag.name}: position of b from /states" in found.findings[0]
+        assert ("the controller commands" in found.findings[0]) == commanded
+        np.testing.assert_allclose(read_axis(bag, joint="c").measured[:, 0], -0.2 * np.arange(50))
+        with pytest.raises(ParameterError, match="on each of /right, /left; name the joint"):
+            read_axis(bag)
+        with pytest.raises(ParameterError, match="no joint d; it has b, c, "):
+            read_axis(bag, joint="d")
+    with closing(sqlite3.connect(next(bags[0].glob("*.db3")))) as database, database:
+        database.execute("DELETE FROM message_definitions")
+    with pytest.raises(ParameterError, match="SQLITE3 does not define the type control_msgs/msg"):
+        read_axis(bags[0], joint="b")

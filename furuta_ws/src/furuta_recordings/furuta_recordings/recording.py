@@ -21,7 +21,8 @@ class Recording(NamedTuple):
     φ̇, θ, θ̇), NaN where there is no value; ``command_time`` (m,) [s] and ``command`` (m,) [V]. A
     command holds until the next one; before the first the command is 0 V. ``in_radians`` is True if
     the recording names the unit of its angles, which are then in rad. Recordings with the same
-    ``number`` are excerpts of one run. ``findings`` say how the content was interpreted.
+    ``number`` are excerpts of one run. ``findings`` say how the content was interpreted. ``joint``
+    names the only joint of the recording of an axis.
     """
 
     name: str
@@ -32,6 +33,7 @@ class Recording(NamedTuple):
     in_radians: bool = False
     number: int = 0
     findings: tuple[str, ...] = ()
+    joint: str = ""
 
     def noting(self, finding: str) -> Recording:
         """With one more finding, which begins with the name."""

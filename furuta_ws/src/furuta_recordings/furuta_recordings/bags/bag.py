@@ -12,7 +12,7 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys.store import Typestore
 
 from furuta_model.parameters import ParameterError
-from furuta_recordings.bags.message_types import definition_of, typestore_of
+from furuta_recordings.bags.message_types import JAZZY, definition_of, typestore_of
 from furuta_recordings.bags.metadata import METADATA_FILE, PARAMETERS_FILE
 from furuta_ros.time_stamps import NANOSECONDS
 
@@ -68,15 +68,22 @@ class Bag:
 
     def deserialize(self, data: bytes, type_name: str) -> Any:
         """A message from its serialized content."""
+        definition = "" if type_name in self._types else self._definition_of(type_name)
         with self._one_line_errors():
             if type_name not in self._types:
-                self._types[type_name] = self._types_of(type_name)
+                self._types[type_name] = typestore_of(type_name, definition)
             return self._types[type_name].deserialize_cdr(data, type_name)
 
-    def _types_of(self, type_name: str) -> Typestore:
-        """The types as the bag defines them, or else ROS."""
+    def _definition_of(self, type_name: str) -> str:
+        """The type as the bag defines it, or else ROS."""
         own = (each.msgdef.data for each in self.connections if each.msgtype == type_name)
-        return typestore_of(type_name, next(own, "") or definition_of(type_name))
+        definition = next(own, "")
+        if not definition and type_name not in JAZZY.types:
+            raise ParameterError(
+                f"{self.path} does not define the type {type_name}; `ros2 bag convert` adds the "
+                "definition where its package is installed"
+            )
+        return definition or definition_of(type_name)
 
     @contextmanager
     def _one_line_errors(self) -> Iterator[None]:

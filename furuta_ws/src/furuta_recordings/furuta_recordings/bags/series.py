@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable
-from math import nan
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import isnan, nan
 from struct import unpack_from
 from typing import Any, NamedTuple
 
@@ -17,6 +17,9 @@ from furuta_ros.topic_names import JOINTS
 from furuta_ros.wire import unpack_joint_state
 
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
+QUANTITIES = ("position", "velocity", "effort")
+# Name of a joint, its position, velocity and effort, and whether the effort is only commanded.
+Numbers = tuple[str, list[float], bool]
 # Most messages of one topic that are read into memory: a quarter of an hour at 1 kHz.
 MOST_IN_MEMORY = 1_000_000
 
@@ -31,13 +34,15 @@ class _Joint(NamedTuple):
 class Series:
     """The messages of a topic: stamps and times of arrival [ns], and what they hold.
 
-    A stamp is 0 without one. A topic has either ``joints`` by name, or ``values``.
+    A stamp is 0 without one. A topic has either ``joints`` by name, or ``values``. ``commanded``
+    are joints whose effort is an output of a controller.
     """
 
     def __init__(self) -> None:
         self._stamps, self._arrivals = array("q"), array("q")
         self._values = array("d")
         self.joints: dict[str, _Joint] = {}
+        self.commanded: set[str] = set()
 
     @property
     def stamps(self) -> np.ndarray:
@@ -62,19 +67,31 @@ class Series:
             series[np.array(rows, int)] = np.array(values).reshape(-1, 3)
         return series
 
-    def add_joints(self, time: int, data: bytes, bag: Bag) -> None:
+    def of_joint(self, name: str) -> Series:
+        """The messages that name a joint: others have the stamps of another publisher."""
+        rows, values = self.joints[name]
+        own = Series()
+        own._stamps = array("q", self.stamps[rows])
+        own._arrivals = array("q", self.arrivals[rows])
+        own.joints[name] = _Joint(array("q", range(len(rows))), values)
+        own.commanded = self.commanded & {name}
+        return own
+
+    def add_joints(self, time: int, data: bytes, type_name: str, bag: Bag) -> None:
         """Add a message of joint states that arrived at ``time`` [ns]."""
-        usual = unpack_joint_state(data)
+        usual = unpack_joint_state(data) if type_name == JOINT_STATE_TYPE else None
         if usual is not None:  # read ten times as fast
             stamp, (phi, phi_dot, theta, theta_dot, effort) = usual
             (of_pendulum,) = unpack_from("<d", data, len(data) - 8)
             self._add_joint(JOINTS[0], (phi, phi_dot, effort))
             self._add_joint(JOINTS[1], (theta, theta_dot, of_pendulum))
         else:
-            message = bag.deserialize(data, JOINT_STATE_TYPE)
+            message = bag.deserialize(data, type_name)
             stamp = stamp_nanoseconds(message)
-            for index, name in enumerate(message.name):
-                self._add_joint(name, joint_numbers(message, index))
+            for name, numbers, commanded in STATE_TYPES[type_name](message):
+                self._add_joint(name, numbers)
+                if commanded:
+                    self.commanded.add(name)
         self._stamps.append(stamp)
         self._arrivals.append(time)
 
@@ -107,18 +124,54 @@ def read_series(bag: Bag, topics: Iterable[str]) -> dict[str, Series]:
                 f"{MOST_IN_MEMORY} fit into memory; record shorter bags"
             )
     for connection, time, data in bag.messages(chosen):
-        if connection.msgtype == JOINT_STATE_TYPE:
-            series[connection.topic].add_joints(time, data, bag)
+        if connection.msgtype in STATE_TYPES:
+            series[connection.topic].add_joints(time, data, connection.msgtype, bag)
         else:
             message = bag.deserialize(data, connection.msgtype)
             series[connection.topic].add_number(time, message, connection.topic)
     return series
 
 
-def joint_numbers(message: Any, index: int) -> list[float]:
-    """Position, velocity and effort of a joint in a JointState message; NaN where not given."""
+def _joint_state(message: Any) -> Iterator[Numbers]:
     series = message.position, message.velocity, message.effort
-    return [float(each[index]) if index < len(each) else nan for each in series]
+    for index, name in enumerate(message.name):
+        yield name, [_at(index, each) for each in series], False
+
+
+def _dynamic(message: Any) -> Iterator[Numbers]:
+    """The resources with a position; others are sensors or switches."""
+    for name, interfaces in zip(message.joint_names, message.interface_values, strict=False):
+        given = dict(zip(interfaces.interface_names, interfaces.values, strict=False))
+        if QUANTITIES[0] in given:
+            yield name, [float(given.get(each, nan)) for each in QUANTITIES], False
+
+
+def _trajectory(message: Any) -> Iterator[Numbers]:
+    """The measured point, which earlier releases call actual; its effort, or else the output."""
+    points = [getattr(message, name, None) for name in ("feedback", "actual")]
+    measured = next((point for point in points if point and len(point.positions)), None)
+    if measured is None:
+        return
+    output = getattr(message, "output", None)
+    commands = output.effort if output else ()
+    for index, name in enumerate(message.joint_names):
+        series = measured.positions, measured.velocities, measured.effort
+        position, velocity, effort = (_at(index, each) for each in series)
+        commanded = isnan(effort) and not isnan(_at(index, commands))
+        yield name, [position, velocity, _at(index, commands) if commanded else effort], commanded
+
+
+# What holds joint states, the usual type first; the others are of the package control_msgs.
+STATE_TYPES: dict[str, Callable[[Any], Iterator[Numbers]]] = {
+    JOINT_STATE_TYPE: _joint_state,
+    "control_msgs/msg/DynamicJointState": _dynamic,
+    "control_msgs/msg/JointTrajectoryControllerState": _trajectory,
+}
+
+
+def _at(index: int, series: Sequence[float]) -> float:
+    """The number of a joint; NaN where not given."""
+    return float(series[index]) if index < len(series) else nan
 
 
 def _number(message: Any, topic: str) -> float:

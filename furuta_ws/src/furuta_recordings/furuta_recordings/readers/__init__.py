@@ -74,6 +74,7 @@ def read_axis(
         from furuta_recordings.readers.table import read_axis_table
 
         recording = read_axis_table(path, position, command, joint)
+        recording = recording._replace(joint=joint or path.stem)
     recording = recording._replace(command=torque_constant * recording.command)
     fewest = min(FEWEST_SAMPLES, len(recording.time))
     return with_usable_samples(with_usable_times(recording), (PHI,), fewest)

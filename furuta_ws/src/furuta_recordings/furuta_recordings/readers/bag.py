@@ -11,7 +11,7 @@ import numpy as np
 from furuta_model.converter import Actuator
 from furuta_model.parameters import ParameterError, build
 from furuta_recordings.bags.bag import Bag, last_part, parameter_file_of
-from furuta_recordings.bags.series import JOINT_STATE_TYPE, Series, read_series
+from furuta_recordings.bags.series import JOINT_STATE_TYPE, STATE_TYPES, Series, read_series
 from furuta_recordings.readers.assembly import Joint, recording_of
 from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of, only_one
 from furuta_recordings.recording import Recording
@@ -36,17 +36,57 @@ def read_bag(path: Path, mapping: Mapping) -> Recording:
 
 def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recording:
     """A recording of one joint in a bag, as the arm alone; driven by its effort by default."""
-    content = _read(path, Mapping(command=command or EFFORT))
-    names = list(content.states.joints)
-    if joint is not None and joint not in names:
-        raise ParameterError(f"{path}: no joint {joint}; it has {', '.join(names) or 'none'}")
-    chosen = joint or only_one(path, names, "axis", "--joint")
-    recording = content.recording([chosen])
+    drive = Mapping(command=command or EFFORT)
+    with Bag(path) as bag:
+        types = {c.topic: c.msgtype for c in bag.connections}
+        if joint is None:
+            _, states = _axis_states(path, bag, types, None, with_effort=False)
+            joint = only_one(path, list(states.joints), "axis", "--joint")
+        topic, states = _axis_states(path, bag, types, joint, drive.command == EFFORT)
+        driven = _command_topic(path, types, topic, drive)
+        commands = Series() if driven is None else read_series(bag, [driven])[driven]
+    own = states.of_joint(joint)
+    past = last_part(topic) == MEASUREMENT
+    about = f"position of {joint} from {topic}" * (types[topic] != JOINT_STATE_TYPE)
+    if driven is None and own.commanded:
+        about += "; its effort is what the controller commands"
+    recording = _Content(path, own, commands, driven is None, past).recording([joint], about)
     if not len(recording.command):
         raise ParameterError(
-            f"{path}: no effort of joint {chosen}; name the topic of its drive with --command"
+            f"{path}: no effort of joint {joint}; name the topic of its drive with --command"
         )
-    return recording
+    return recording._replace(joint=joint)
+
+
+def _axis_states(
+    path: Path, bag: Bag, types: dict[str, str], joint: str | None, with_effort: bool
+) -> tuple[str, Series]:
+    """The topic that has the joint, of the first type that has its effort too; what it holds.
+
+    Without a joint, the topic of joint states.
+    """
+    names: dict[str, None] = {}
+    holding: dict[str, Series] = {}
+    for kind in STATE_TYPES:
+        series = read_series(bag, [topic for topic, name in types.items() if name == kind])
+        names |= {name: None for each in series.values() for name in each.joints}
+        of_kind = {t: s for t, s in series.items() if s.joints and joint in (None, *s.joints)}
+        usable = {t: s for t, s in of_kind.items() if not with_effort or _has_effort(s, joint)}
+        holding = usable or holding or of_kind
+        if usable:
+            break
+    if not holding:
+        missing = f"no joint {joint}; it has {', '.join(names)}" if names else _no_states(types)
+        raise ParameterError(f"{path}: {missing}")
+    topics = _usual(list(holding))
+    if len(topics) > 1:
+        hint = "" if joint else "; name the joint with --joint"
+        raise ParameterError(f"{path}: joint states on each of {', '.join(topics)}{hint}")
+    return topics[0], holding[topics[0]]
+
+
+def _has_effort(states: Series, joint: str | None) -> bool:
+    return joint is not None and bool(np.any(np.isfinite(states.joint(joint)[:, 2])))
 
 
 def _read(path: Path, mapping: Mapping) -> _Content:
@@ -65,20 +105,25 @@ def _read(path: Path, mapping: Mapping) -> _Content:
 
 def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
     """The topic of the joint states among the topics ``types`` (topic: type)."""
-    states = [topic for topic, type_name in types.items() if type_name == JOINT_STATE_TYPE]
+    every = [topic for kind in STATE_TYPES for topic, name in types.items() if name == kind]
     if mapping.states:
-        matching = [topic for topic in states if topic.strip("/") == mapping.states.strip("/")]
+        matching = [topic for topic in every if topic.strip("/") == mapping.states.strip("/")]
     else:
-        usual = [
-            [t for t in states if last_part(t) == name] for name in (MEASUREMENT, JOINT_STATES)
-        ]
-        matching = usual[0] or usual[1] or (states if len(states) == 1 else [])
+        matching = _usual([t for t in every if types[t] == JOINT_STATE_TYPE] or every)
     if not matching:
-        raise ParameterError(
-            f"{path}: needs a topic of type {JOINT_STATE_TYPE}, named with --states; it has "
-            + (", ".join(states) or f"none, only {_listed(types)}")
-        )
+        asked = f"no joint states on {mapping.states}; " if mapping.states else ""
+        raise ParameterError(f"{path}: {asked}{_no_states(types)}")
     return only_one(path, matching, "topic of the joint states", "--states")
+
+
+def _usual(topics: list[str]) -> list[str]:
+    """Of several topics of joint states those with a usual name, if there are any."""
+    named = [[t for t in topics if last_part(t) == name] for name in (MEASUREMENT, JOINT_STATES)]
+    return named[0] or named[1] or topics
+
+
+def _no_states(types: dict[str, str]) -> str:
+    return f"needs a topic of one of the types {', '.join(STATE_TYPES)}; it has {_listed(types)}"
 
 
 def _command_topic(path: Path, types: dict[str, str], states: str, mapping: Mapping) -> str | None:
