@@ -15,23 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import yaml
 
-from furuta.axis.axis import Axis, Cascade, Controller, Pid
+from furuta.axis.axis import Cascade, Controller, Pid
 from furuta.axis.draws import identified_axis, left_out
-from furuta.axis.simulation import (
-    ACCELERATION,
-    LARGEST_CORRECTION,
-    LEVEL,
-    POLES,
-    RATE_BOUND,
-    SUPER_TWISTING,
-    paper_units,
-)
+from furuta.axis.servo import POLES, observer_parameters, paper_units
 from furuta.identification.axis.identify import AxisFit
-from furuta.limit_cycles.joint import Units, friction_in
-from furuta_control.estimators.kalman import KalmanParameters
-from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.lugre import highest_level
-from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, number_from_text, shortened, suggestion, values
 from furuta_ros.parameter_files import PARAMETERS, read_sections
 from furuta_ros.whole_files import whole_file
@@ -40,7 +27,8 @@ OBSERVER, CONTROLLER = "friction_observer", "controller"
 CONTROLLERS: dict[str, type[Pid] | type[Cascade]] = {"pid": Pid, "cascade": Cascade}
 # Found values by their names in a fit. Those of the axis have the prefix ``axis.`` in the file.
 OF_FRICTION = ("alpha0", "alpha1", "stribeck_velocity", "asymmetry")
-OF_AXIS = ("inertia", "viscous", "offset", "gravity_sin", "gravity_cos")
+OF_LOAD = ("offset", "gravity_sin", "gravity_cos")
+OF_AXIS = ("inertia", "viscous", *OF_LOAD)
 # Compensation if no controller is known with which others could be compared.
 USUAL = "lugre"
 # Digits that are written.
@@ -76,58 +64,11 @@ def joint_parameters(
     """
     if not fit.values.get("alpha0", 0.0) > 0.0:
         raise ParameterError(f"{joint}: no dry friction found, so there is nothing to compensate")
-    twists = recommended == SUPER_TWISTING
-    scaled = scaled_parameters(joint_units(identified_axis(fit), controller), twists)
-    found = {name: fit.values.get(name, 0.0) for name in OF_FRICTION}
-    small = scaled.pop("stribeck_velocity")
-    return {
-        "joint": joint,
-        "sample_time": sample_time,
-        "compensation": "none" if twists else recommended or USUAL,
-        **found,
-        "stribeck_velocity": found["stribeck_velocity"] or small,
-        "viscous": 0.0,
-        **scaled,
-        **{f"axis.{name}": fit.values.get(name, 0.0) for name in OF_AXIS},
-        "axis.resolution": fit.resolution,
-    }
-
-
-def joint_units(axis: Axis, controller: Controller | None) -> Units:
-    """Units in which the joint resembles the paper's arm; without controller that of time is 1 s.
-
-    The loop is then supposed to have the poles of the arm.
-    """
-    if controller is not None:
-        return paper_units(axis, controller)
-    level = highest_level(axis.friction)
-    return Units(1.0, level / axis.inertia / ACCELERATION, level / LEVEL, np.eye(1))
-
-
-def scaled_parameters(units: Units, twists: bool = False) -> dict[str, float]:
-    """What no recording shows, from the parameters for the paper's arm; with super-twisting or not.
-
-    There is no ``observer_gain``, because it corrects by the error of a reference.
-    """
-    time, position, force, _ = units
-    back = Units(1.0 / time, 1.0 / position, 1.0 / force, np.eye(1))
-    bristle = friction_in(back, Friction())
-    of_arm = values(ObserverParameters())
-    noise = KalmanParameters().friction_process_noise
-    return {
-        "sigma0": bristle.sigma0,
-        "sigma1": bristle.sigma1,
-        "stribeck_velocity": bristle.stribeck_velocity,
-        "observer_gain": 0.0,
-        "adaptation_gain": of_arm["adaptation_gain"] / time,
-        "combined.filter_time": of_arm["combined.filter_time"] * time,
-        "combined.reversal_speed": of_arm["combined.reversal_speed"] * units.speed,
-        "combined.level_rate": of_arm["combined.level_rate"] / time,
-        "axis.friction_process_noise": noise * force / time**0.5,
-        "axis.super_twisting": RATE_BOUND * force / time if twists else 0.0,
-        "axis.largest_correction": LARGEST_CORRECTION * force,
-        "axis.reference_speed": of_arm["combined.reversal_speed"] * units.speed,
-    }
+    axis, compensation = identified_axis(fit), recommended or USUAL
+    units = paper_units(axis, controller)
+    suited = observer_parameters(axis, units, compensation, fit.resolution, sample_time)
+    load = {name: fit.values.get(name, 0.0) for name in OF_LOAD}
+    return values(suited._replace(joint=joint, axis=suited.axis._replace(**load)))
 
 
 def write_joint_file(

@@ -85,8 +85,8 @@ def observer_parameters(
 ) -> ObserverNodeParameters:
     """Parameters of the friction observer for an axis, with a compensation of :data:`CANDIDATES`.
 
-    Viscous friction is left to damp the motion. The bristle of a law that has none is that of the
-    paper's arm.
+    Viscous friction is left to damp the motion. A bristle or a Stribeck velocity that the law does
+    not have is that of the paper's arm.
     """
     t, q, f = units.time, units.position, units.force
     usual, noise = ObserverParameters(), KalmanParameters().friction_process_noise
@@ -96,6 +96,8 @@ def observer_parameters(
             sigma0=usual.friction.sigma0 * f / q, sigma1=usual.friction.sigma1 * f / q * t
         )
     dry = axis.friction._replace(viscous=0.0, sigma0=bristle.sigma0, sigma1=bristle.sigma1)
+    if axis.law in ("coulomb", "stiction") or not dry.alpha1:
+        dry = dry._replace(stribeck_velocity=usual.friction.stribeck_velocity * units.speed)
     twists = compensation == SUPER_TWISTING
     combined, adaptive = usual.parts.combined, usual.parts.adaptive
     parts = usual.parts._replace(
