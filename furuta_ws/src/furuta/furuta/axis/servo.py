@@ -144,8 +144,8 @@ def servo_sample(
     reference: float,
     reference_speed: float,
     p: ServoDesign,
-) -> tuple[float, float]:
-    """The command [N m] and F̂ in it, until the next sample.
+) -> float:
+    """The command [N m] until the next sample, with F̂ in it.
 
     Args:
         memory: What is remembered.
@@ -159,4 +159,4 @@ def servo_sample(
     error, v, f = reference - position, memory.observer.estimate[1], p.feedback
     memory.integral += p.dt * (f.integrates_error * error + f.integrates_speed * v)
     command = f.error * error + f.speed * v + f.reference_speed * reference_speed
-    return command + f.integral * memory.integral + friction, friction
+    return command + f.integral * memory.integral + friction

@@ -88,9 +88,7 @@ def run_loop(
         measured = position
         if p.resolution > 0.0:
             measured = p.resolution * np.floor(measured / p.resolution + 0.5)
-        torque, _ = servo_sample(
-            memory[0].servo, measured, torque, reference[k], speeds[k], p.servo
-        )
+        torque = servo_sample(memory[0].servo, measured, torque, reference[k], speeds[k], p.servo)
         series[0, k], series[1, k], series[2, k] = position, measured, torque
         advance(x, torque / p.force, p.dt, p.substeps, p.body, p.law)
 

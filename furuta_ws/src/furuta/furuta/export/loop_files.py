@@ -7,7 +7,7 @@ the method, the compensation and the mode that the parameters select.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from math import expm1
 from typing import Any
 
@@ -59,7 +59,7 @@ def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[
     whole = Translation(precision, PREFIX)
     memory = Memory(ControlMemory, "memory", "memory->")
     measurement, estimate = (Array(REAL, n) for n in ("measurement", "estimate"))
-    step = _translated(
+    step = translated(
         whole,
         control_sample,
         memory,
@@ -67,24 +67,24 @@ def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[
         Known(_design(loop, precision), "loop"),
         estimate,
     )
-    reset_loop = _translated(whole, reset, memory)
-    forget = _translated(whole, forget_integrals, Memory(ControllerMemory, "memory", "memory->"))
-    code = "\n\n".join(whole.code)
-    code = "\n\n".join([*whole.helpers(code), code])
+    reset_loop = translated(whole, reset, memory)
+    forget = translated(whole, forget_integrals, Memory(ControllerMemory, "memory", "memory->"))
     source = filled(
         "loop.c",
-        s=precision.suffix,
-        real=precision.name,
-        constants=whole.constants.text(code),
-        functions=code,
+        **parts_of_source(whole),
         initial=initialisation(whole, ControlMemory),
         step=step.name,
         reset=reset_loop.name,
         forget_integrals=forget.name,
     )
+    groups = {
+        "estimator": loop.estimator,
+        "friction_observer": loop.observer,
+        "controller": loop.controller,
+    }
     header = filled(
         "loop.h",
-        about=_description(loop, origin),
+        about=description(groups, origin),
         calibration=_calibration(rig, precision),
         sample_time=precision.literal(loop.controller.sample_time),
         real=precision.name,
@@ -94,7 +94,7 @@ def loop_files(loop: Loop, rig: Rig, precision: Precision, origin: str) -> dict[
     return {"loop.h": header, "loop.c": source, "loop_test.c": _test_program(loop, precision)}
 
 
-def _translated(whole: Translation, function: Any, *arguments: Value) -> CFunction:
+def translated(whole: Translation, function: Any, *arguments: Value) -> CFunction:
     """Translate a function for arguments in its order."""
     python = getattr(function, "py_func", function)
     names = python.__code__.co_varnames
@@ -150,14 +150,21 @@ def _calibration(rig: Rig, precision: Precision) -> str:
     return "\n".join(f"#define LOOP_{name.upper()} {value}" for name, value in macros.items())
 
 
-def _description(loop: Loop, origin: str) -> str:
-    """A comment with all parameters, their units and meanings."""
-    lines = [origin]
-    groups: dict[str, Any] = {
-        "estimator": loop.estimator,
-        "friction_observer": loop.observer,
-        "controller": loop.controller,
+def parts_of_source(whole: Translation) -> dict[str, str]:
+    """What the template of a source needs of a translation."""
+    code = "\n\n".join(whole.code)
+    code = "\n\n".join([*whole.helpers(code), code])
+    return {
+        "preamble": filled("preamble.c", s=whole.precision.suffix).strip(),
+        "real": whole.precision.name,
+        "constants": whole.constants.text(code),
+        "functions": code,
     }
+
+
+def description(groups: Mapping[str, Any], origin: str) -> str:
+    """A comment with all parameters of nodes, their units and meanings."""
+    lines = [origin]
     for node, group in groups.items():
         lines.append(f"{node}:")
         given = values(group)
@@ -178,8 +185,8 @@ def _test_program(loop: Loop, precision: Precision) -> str:
         "loop_test.c",
         real=precision.name,
         samples=SAMPLES,
-        readings=_rows(_readings(run, plant).tolist(), precision),
-        expected=_rows(np.column_stack([run.command, run.friction_estimate]).tolist(), DOUBLE),
+        readings=rows(_readings(run, plant).tolist(), precision),
+        expected=rows(np.column_stack([run.command, run.friction_estimate]).tolist(), DOUBLE),
         tolerance=FLOAT_TOLERANCE * loop.controller.voltage_limit if precision.suffix else 0.0,
     )
 
@@ -193,5 +200,6 @@ def _readings(run: Record, plant: PlantParameters) -> np.ndarray:
     return readings
 
 
-def _rows(rows: Iterable[list[float]], precision: Precision) -> str:
-    return "\n".join("    {" + ", ".join(map(precision.literal, row)) + "}," for row in rows)
+def rows(numbers: Iterable[list[float]], precision: Precision) -> str:
+    """Rows of numbers as the initial values of an array."""
+    return "\n".join("    {" + ", ".join(map(precision.literal, row)) + "}," for row in numbers)

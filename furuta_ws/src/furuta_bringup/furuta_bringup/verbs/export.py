@@ -20,21 +20,57 @@ def command() -> None:
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     required=True,
-    help="Folder for loop.h, loop.c and loop_test.c.",
+    help="Folder for loop.h, loop.c and loop_test.c, or axis.h, axis.c and axis_test.c.",
 )
 @click.option("--float", "single", is_flag=True, help="Numbers of 32 bits instead of 64.")
+@click.option("--axis", "joints", type=click.Path(path_type=Path), metavar="FILE",
+    help="Export a joint of this joint file instead of the pendulum's loop.")  # fmt: skip
+@click.option("--joint", metavar="NAME", help="Joint of that file, if it has several.")
 @model_options
 @json_option
 def c(
-    out: Path, single: bool, files: tuple[Path, ...], assignments: tuple[str, ...], as_json: bool
+    out: Path,
+    single: bool,
+    joints: Path | None,
+    joint: str | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    as_json: bool,
 ) -> None:
     """Write estimator, friction observer and controller as C99.
 
     The code is translated from the functions that the nodes run. With numbers of 64 bits the
-    commands are the same to the last bit. loop_test.c replays a simulated run and compares them.
+    commands are the same to the last bit. The test program compares a run. With --axis it is the
+    observer of a joint, with the controller of the joint file.
     """
-    from furuta.export.loop_files import loop_files
     from furuta.export.values import DOUBLE, FLOAT
+
+    precision = FLOAT if single else DOUBLE
+    if joints is not None:
+        from furuta.axis.joint_file import read_joint_file
+        from furuta.export.axis_files import axis_files
+
+        if files or assignments:
+            raise click.UsageError("--axis takes all parameters from its file")
+        given = read_joint_file(joints, joint)
+        about = f"Joint {given.joint} of {joints.name}. Units are those of the joint's effort."
+        contents = axis_files(given, precision, about)
+    elif joint is not None:
+        raise click.UsageError("--joint needs --axis FILE")
+    else:
+        contents = _loop_files(files, assignments, precision)
+    for name, content in contents.items():
+        with whole_file(out / name) as path:
+            path.write_text(content, encoding="utf-8")
+    written = [out / name for name in contents]
+    total = sum(path.stat().st_size for path in written)
+    show({"files": list(map(str, written)), "bytes": total}, as_json)
+
+
+def _loop_files(
+    files: tuple[Path, ...], assignments: tuple[str, ...], precision: Any
+) -> dict[str, str]:
+    from furuta.export.loop_files import loop_files
     from furuta.settings.settings import load_settings, loop
     from furuta_hw.rigs.rig import Rig
     from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
@@ -45,13 +81,7 @@ def c(
     for file in filter(lambda file: is_rig_file(given[file]), files):
         rig, _ = rig_from_content(given[file], file)
     origin = ["Control system of the Furuta pendulum.", *map(_origin, given.items()), *assignments]
-    contents = loop_files(exported, rig, FLOAT if single else DOUBLE, " ".join(origin))
-    for name, content in contents.items():
-        with whole_file(out / name) as path:
-            path.write_text(content, encoding="utf-8")
-    written = [out / name for name in contents]
-    total = sum(path.stat().st_size for path in written)
-    show({"files": list(map(str, written)), "bytes": total}, as_json)
+    return loop_files(exported, rig, precision, " ".join(origin))
 
 
 def _origin(given: tuple[Path, Any]) -> str:
