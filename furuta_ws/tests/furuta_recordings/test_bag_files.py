@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from joint_bags import joint_bag
 from mcap.reader import NonSeekingReader, make_reader
 from rosbags.highlevel import AnyReader
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
@@ -247,31 +248,6 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
 
 BEGIN, BOOT = 1_700_000_000_000_000_000, 7_000_000_000
 STEP = 10_000_000
-
-
-def joint_bag(
-    path: Path, messages: list[tuple[int, int, dict[str, tuple[float, ...]] | float]]
-) -> Path:
-    """A bag of messages (arrival, stamp [ns], content): joints with their numbers, or a command."""
-    types = get_typestore(Stores.ROS2_JAZZY)
-    make = types.types.__getitem__
-    with Writer(path, version=9) as writer:
-        kinds = ("sensor_msgs/msg/JointState", "std_msgs/msg/Float64")
-        states, command = (
-            writer.add_connection(topic, kind, typestore=types)
-            for topic, kind in zip(("/joint_states", "/command"), kinds, strict=True)
-        )
-        for arrival, stamp, content in messages:
-            if isinstance(content, float):
-                topic, message = command, make(kinds[1])(content)
-            else:
-                time = make("builtin_interfaces/msg/Time")(*divmod(stamp, 10**9))
-                series = [np.array(each) for each in zip(*content.values(), strict=True)]
-                series += [np.zeros(0)] * (3 - len(series))
-                header = make("std_msgs/msg/Header")(time, "")
-                topic, message = states, make(kinds[0])(header, list(content), *series)
-            writer.write(topic, arrival, types.serialize_cdr(message, message.__msgtype__))
-    return path
 
 
 @pytest.mark.parametrize(("offset", "apart"), [(0, False), (BOOT - BEGIN, True)])

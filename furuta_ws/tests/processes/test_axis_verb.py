@@ -5,6 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
+from joint_bags import joint_bag
 
 import furuta as library
 
@@ -32,9 +34,10 @@ def test_a_record_identifies_and_says_what_follows(furuta: Any, tmp_path: Path) 
     recorded = library.simulate_axis(
         library.Axis(0.01, friction), library.Pid(3.0, 2.0, 0.1), reference=moves
     )
-    table = tmp_path / "axis.csv"
+    table, joints = tmp_path / "axis.csv", tmp_path / "joints.yaml"
     library.write_series(table, recorded.columns)
-    status, out, err = furuta("axis", "--identify", table, "--pid", "1", "2", "0.08", "--json")
+    gains = ("--pid", "1", "2", "0.08", "--json", "--save", joints)
+    status, out, err = furuta("axis", "--identify", table, *gains)
     assert status == 0, err
     result = json.loads(out)
     found = result["identified"]
@@ -44,3 +47,61 @@ def test_a_record_identifies_and_says_what_follows(furuta: Any, tmp_path: Path) 
     assert result["kind"] == "limit_cycle"
     assert result["hunts_in"] == 1.0
     assert result["hunting_rad"][0] < result["peak_to_peak_rad"] < result["hunting_rad"][1]
+    written = library.read_joint_file(joints)
+    assert (written.joint, written.controller) == ("axis", library.Pid(1.0, 2.0, 0.08))
+    twists = result["recommended"] == "super_twisting"
+    assert written.parameters["compensation"] == ("none" if twists else result["recommended"])
+    assert (written.parameters["axis.super_twisting"] > 0.0) == twists
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A bag of two joints, with different friction, and one that does not move."""
+    time = np.arange(0.0, 6.0, 2e-3)
+    moves = 0.8 * np.sin(1.3 * time) + 0.4 * np.sin(3.7 * time)
+    runs = {
+        name: library.simulate_axis(
+            library.Axis(0.01, library.Friction(alpha0=level, alpha1=0.0, viscous=0.02)),
+            library.Pid(3.0, 2.0, 0.1),
+            reference=moves,
+            sample_time=2e-3,
+        )
+        for name, level in (("elbow", 0.1), ("wrist", 0.2))
+    }
+    messages: list[Any] = []
+    for k in range(len(time)):
+        at = 10**18 + 2_000_000 * k
+        states = {n: (run.measured[k], 0.0, run.torque[k]) for n, run in runs.items()}
+        messages.append((at, at, states | {"base": (1.0, 0.0, 0.1)}))
+    return joint_bag(tmp_path_factory.mktemp("robot") / "bag", messages)
+
+
+def test_several_joints_of_a_bag(furuta: Any, robot: Path, tmp_path: Path) -> None:
+    """Each is identified on its own; what is not usable is shown, and nothing is written then."""
+    saved = tmp_path / "joints.yaml"
+    both = ("axis", "--identify", robot, "--joint", "elbow", "--joint", "wrist")
+    status, out, err = furuta(*both, "--joint", "base", "--save", saved, "--json")
+    assert (status, err.count("\n")) == (1, 1)
+    assert "base: bag: the axis moves by 0" in err
+    found = json.loads(out)["joints"]
+    assert found["base"]["usable"] == "no"
+    assert not saved.exists()
+    status, out, err = furuta(*both, "--save", saved)
+    assert status == 0, err
+    assert "  joint wrist, inertia 0.0" in out
+    for name, level in (("elbow", 0.1), ("wrist", 0.2)):
+        assert abs(found[name]["alpha0"] - level) < 4.0 * found[name]["standard_errors"]["alpha0"]
+        parameters = library.read_joint_file(saved, name).parameters
+        assert parameters["alpha0"] == pytest.approx(found[name]["alpha0"], rel=1e-5)
+        assert parameters["sample_time"] == 0.002
+
+
+def test_options_that_contradict_each_other(furuta: Any) -> None:
+    several = ("--identify", "x.csv", "--joint", "a", "--joint", "b")
+    for arguments, words in (
+        ((*several, "--pid", "1", "0", "0"), "several joints have no common controller"),
+        ((*several, "--out", "a.png"), "several joints have no common controller"),
+        ((*AXIS, "--pid", "1", "2", "0", "--save", "a.yaml"), "--save writes what is identified"),
+    ):
+        status, _, err = furuta("axis", *arguments)
+        assert (status, words in err) == (2, True), err

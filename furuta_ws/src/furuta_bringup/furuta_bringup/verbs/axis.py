@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,9 @@ if TYPE_CHECKING:
 
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
+# What a line says of one of several joints.
+OF_FIT = ("inertia", "alpha0", "alpha1", "viscous", "gravity_sin", "gravity_cos")
+SHOWN = (*OF_FIT, "usable", "reasons", "findings")
 
 
 @click.command()
@@ -48,13 +51,16 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
 @click.option("--command", "driven", metavar="COLUMN", help="Column or topic of the drive's "
     "torque, current or voltage; default in a bag: the joint's effort.")  # fmt: skip
-@click.option("--joint", metavar="NAME", help="Joint to use if a bag has several.")
+@click.option("--joint", "joints", metavar="NAME", multiple=True, help="Joint to use if a bag has "
+    "several; repeatable, to identify each of them.")  # fmt: skip
 @click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
     help="Torque or force per unit of the column of --command.")  # fmt: skip
 @click.option("--prove", is_flag=True, help="Prove the limit cycle in interval arithmetic, for "
     "the law stiction (needs python-flint).")  # fmt: skip
 @click.option("--out", type=FIGURE, help="Draw the limit cycle, and the error with the recommended "
     "compensation.")  # fmt: skip
+@click.option("--save", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE.yaml",
+    help="Write what is identified to a joint file: parameters of friction observers.")  # fmt: skip
 @json_option
 def command(
     inertia: float | None,
@@ -68,10 +74,11 @@ def command(
     force: bool,
     position: str | None,
     driven: str | None,
-    joint: str | None,
+    joints: tuple[str, ...],
     torque_constant: float,
     prove: bool,
     out: Path | None,
+    save: Path | None,
     as_json: bool,
 ) -> None:
     """Find the final motion of a servo axis with friction, and which compensation helps.
@@ -86,27 +93,27 @@ def command(
     from furuta.axis.axis import Axis, Cascade, Pid, axis_report, parse_friction, servo_motions
     from furuta.axis.compensations import compare_on_axis
 
-    if pid is not None and cascade is not None:
+    controllers = [gains for gains in (pid, cascade) if gains is not None]
+    if len(controllers) > 1:
         raise click.UsageError("give either --pid or --cascade")
     if (inertia is not None, friction is not None) != (not records, not records):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    result: dict[str, Any] = {}
-    fit, others, found = None, [], 4096
-    if records:
-        fit = _fit(records, position, driven, torque_constant, joint)
-        result["identified"] = fit.report()
-        if not as_json:
-            del result["identified"]["covariance"]
-    if pid is None and cascade is None:
-        if fit is None:
-            raise click.UsageError("give the controller: either --pid or --cascade")
-        show(result["identified"], as_json)
-        _refuse_unusable(fit, force)
+    if len(joints) > 1 and (controllers or prove or out is not None):
+        raise click.UsageError("several joints have no common controller, --prove or --out")
+    if save is not None and not records:
+        raise click.UsageError("--save writes what is identified: give --identify FILE")
+    columns = (position, driven, torque_constant)
+    if not controllers:
+        _save(save, _identify(records, columns, joints, force, as_json))
         return
+    result: dict[str, Any] = {}
+    others, found = [], 4096
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
-    if fit is not None:
+    if records:
         from furuta.axis.draws import COMPARED, consequences, drawn_axes, identified_axis, report
 
+        fit = _fit(records, *columns, next(iter(joints), None))
+        result["identified"] = _report(fit, as_json)
         _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
         axes = drawn_axes(fit)
@@ -118,7 +125,7 @@ def command(
     motions = servo_motions(axis, controller, reference_speed)
     cycle = next(iter(motions.values()))
     result |= {**axis_report(motions), "compensations": [], "recommended": None}
-    if fit is not None:
+    if records:
         result |= report(fit, consequences(axes, controller, reference_speed))
     if cycle.kind != "unbounded":
         compared = compare_on_axis(
@@ -133,6 +140,8 @@ def command(
         _draw(axis, controller, cycle, reference_speed, counts, result["recommended"], out)
         result["figure"] = str(out)
     show(result, as_json)
+    if records:
+        _save(save, [fit], controller, result["recommended"])
 
 
 def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
@@ -140,6 +149,68 @@ def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
     from furuta_recordings.readers import read_axis
 
     return identify_axis([read_axis(each, *columns) for each in records])
+
+
+def _report(fit: AxisFit, as_json: bool) -> dict[str, Any]:
+    return {name: value for name, value in fit.report().items() if as_json or name != "covariance"}
+
+
+def _identify(
+    records: Sequence[Path],
+    columns: Sequence[Any],
+    joints: Sequence[str],
+    force: bool,
+    as_json: bool,
+) -> list[AxisFit]:
+    """Fits of the joints, after they have been shown; raises if one is not usable."""
+    if not records:
+        raise click.UsageError("give the controller: either --pid or --cascade")
+    if len(joints) > 1:
+        return _identify_joints(records, columns, joints, force, as_json)
+    fit = _fit(records, *columns, next(iter(joints), None))
+    show(_report(fit, as_json), as_json)
+    _refuse_unusable(fit, force)
+    return [fit]
+
+
+def _identify_joints(
+    records: Sequence[Path],
+    columns: Sequence[Any],
+    joints: Iterable[str],
+    force: bool,
+    as_json: bool,
+) -> list[AxisFit]:
+    fits, reports, refused = [], {}, []
+    for joint in dict.fromkeys(joints):
+        try:
+            fit = _fit(records, *columns, joint)
+            reports[joint] = fit.report()
+            _refuse_unusable(fit, force)
+            fits.append(fit)
+        except (ParameterError, UserError) as error:
+            reports.setdefault(joint, {"usable": "no", "reasons": [str(error)]})
+            refused.append(f"{joint}: {error}")
+    rows = [
+        {"joint": joint} | {name: report[name] for name in SHOWN if report.get(name)}
+        for joint, report in reports.items()
+    ]
+    show({"joints": reports if as_json else rows}, as_json)
+    if refused:
+        raise UserError("; ".join(refused))
+    return fits
+
+
+def _save(
+    path: Path | None,
+    fits: Iterable[AxisFit],
+    controller: Controller | None = None,
+    recommended: str | None = None,
+) -> None:
+    if path is not None:
+        from furuta.axis.joint_file import write_joint_file
+
+        named = {fit.recordings[0].joint: fit for fit in fits}
+        write_joint_file(path, named, controller, recommended)
 
 
 def _refuse_unusable(fit: AxisFit, force: bool) -> None:
