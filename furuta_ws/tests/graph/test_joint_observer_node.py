@@ -1,0 +1,122 @@
+"""The friction observer of a robot's joint: by its name, from any message, beside other joints."""
+
+from array import array
+from math import nan
+from typing import Any
+
+import pytest
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from testbench import Bench
+
+from furuta_friction.friction_observer_node import FrictionObserverNode
+from furuta_friction.joint_friction import JointFriction
+from furuta_ros.topics import BEST_EFFORT, FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
+
+PERIOD = 2_000_000
+GIVEN = {
+    "joint": "elbow_joint",
+    "sample_time": 0.002,
+    "compensation": "coulomb",
+    "alpha0": 2.0,
+    "axis.inertia": 0.2,
+    "axis.friction_process_noise": 3.0,
+}
+
+
+def state(stamp: int, **joints: tuple[float, float, float]) -> JointState:
+    """A message with position, velocity and effort of joints."""
+    message = JointState(name=list(joints))
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 1_000_000_000)
+    columns = zip(*joints.values(), strict=True)
+    message.position, message.velocity, message.effort = (array("d", each) for each in columns)
+    return message
+
+
+@pytest.fixture(name="node")
+def node_on_bench(bench: Bench) -> Any:
+    given = [Parameter(name, value=value) for name, value in GIVEN.items()]
+    node = bench.add(FrictionObserverNode(given))
+    bench.collect(FRICTION_ESTIMATE)
+    return node
+
+
+def send(bench: Bench, publisher: Any, message: JointState, answers: int) -> list[float]:
+    """Publish a message; returns all answers once there are so many."""
+    received = bench.received[FRICTION_ESTIMATE.name]
+    publisher.publish(message)
+    bench.spin(lambda: len(received) >= answers)
+    return [each.data for each in received]
+
+
+def test_each_state_of_the_joint_is_answered(bench: Bench, node: Any) -> None:
+    """In any order of joints, as the core answers; a repeated state gets the same answer."""
+    core = JointFriction()
+    core.design(node.parameters)
+    publisher = bench.publisher(JOINT_STATES)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    expected = []
+    for k in range(1, 8):
+        elbow, stamp = (0.01 * k * k, 0.5, 3.0), k * PERIOD
+        position, speed, effort = elbow
+        expected.append(core.estimate((position, speed, effort, nan), PERIOD if k > 1 else -1))
+        others = {"gripper": (0.0, 0.0, 0.0), "wrist": (1.0, 2.0, 3.0)}
+        joints = {**others, "elbow_joint": elbow} if k % 2 else {"elbow_joint": elbow, **others}
+        assert send(bench, publisher, state(stamp, **joints), k) == expected
+    assert expected[-1] == 2.0
+    assert send(bench, publisher, state(stamp, **joints), 8)[-1] == expected[-1]
+
+
+def test_other_publishers_are_no_matter(bench: Bench, node: Any) -> None:
+    """A gripper publishes on the same topic with best effort; its messages are not refused."""
+    gripper = bench.probe.create_publisher(JointState, JOINT_STATES.name, BEST_EFFORT)
+    publisher = bench.publisher(JOINT_STATES)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    handled = bench.count_handled(node)
+    gripper.publish(state(PERIOD, finger=(0.0, 0.0, 0.0)))
+    bench.spin(lambda: handled[JOINT_STATES.name] == 1)
+    answers = send(bench, publisher, state(PERIOD, elbow_joint=(0.0, 0.1, 0.0)), 1)
+    assert (len(answers), node.refused) == (1, 0)
+    assert node.second_publishers([]) == ""
+
+
+def test_a_reference_counts_while_it_is_new(bench: Bench, node: Any) -> None:
+    """The joint rests, the reference moves: F̂ has its direction for 0.1 s."""
+    publisher, reference = bench.publisher(JOINT_STATES), bench.publisher(REFERENCE)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    handled = bench.count_handled(node)
+    reference.publish(state(0, elbow_joint=(0.0, -1.0, 0.0)))
+    bench.spin(lambda: handled[REFERENCE.name] == 1)
+    answers: list[float] = []
+    for k in range(1, 61):
+        answers = send(bench, publisher, state(k * PERIOD, elbow_joint=(0.0, 0.0, 0.0)), k)
+    assert answers[:50] == [-2.0] * 50
+    assert answers[51:] == [0.0] * 9
+
+
+def test_what_cannot_be_used_is_refused(bench: Bench, node: Any, capfd: Any) -> None:
+    """No position, no number, no velocity of a reference: one line each, and the node goes on."""
+    publisher, reference = bench.publisher(JOINT_STATES), bench.publisher(REFERENCE)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    publisher.publish(JointState(name=["elbow_joint"]))
+    publisher.publish(state(PERIOD, elbow_joint=(1e9, 0.0, 0.0)))
+    reference.publish(JointState(name=["elbow_joint"]))
+    bench.spin(lambda: node.refused == 3)
+    assert len(send(bench, publisher, state(PERIOD, elbow_joint=(0.1, 0.0, 0.0)), 1)) == 1
+    warned = capfd.readouterr().err
+    assert "no position of joint elbow_joint" in warned
+    assert "no velocity of joint elbow_joint" in warned
+
+
+def test_a_wrong_sample_time_is_named(bench: Bench, node: Any, capfd: Any) -> None:
+    """States that come every 8 ms do not suit a sample time of 2 ms."""
+    publisher = bench.publisher(JOINT_STATES)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    for k in range(1, 6):
+        send(bench, publisher, state(k * 4 * PERIOD, elbow_joint=(0.0, 0.0, 0.0)), k)
+        if k == 1:
+            node._check()
+    capfd.readouterr()
+    node._check()
+    warned = capfd.readouterr().err
+    assert "comes every 0.008 s, but sample_time is 0.002 s" in warned
