@@ -234,7 +234,7 @@ def test_joint_file_of_several_joints(tmp_path: Path) -> None:
         if isinstance(value, float) and value:
             force = name in OF_FORCE or "gravity" in name
             assert other[name] == pytest.approx(100.0 * value if force else value, rel=1e-3), name
-    assert weak["compensation"] == "lugre"
+    assert weak["compensation"] == "disturbance_observer"
     twists = furuta.joint_parameters(fit, "on", 1e-3, PID, "super_twisting")
     assert (twists["compensation"], weak["axis.super_twisting"]) == ("none", 0.0)
     assert twists["axis.super_twisting"] > 0.0

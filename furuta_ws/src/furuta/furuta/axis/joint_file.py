@@ -29,8 +29,9 @@ CONTROLLERS: dict[str, type[Pid] | type[Cascade]] = {"pid": Pid, "cascade": Casc
 OF_FRICTION = ("alpha0", "alpha1", "stribeck_velocity", "asymmetry")
 OF_LOAD = ("offset", "gravity_sin", "gravity_cos")
 OF_AXIS = ("inertia", "viscous", *OF_LOAD)
-# Compensation if no controller is known with which others could be compared.
-USUAL = "lugre"
+# Compensation if no controller is known with which others could be compared. LuGre can hunt where
+# the true level is a fourth below that of the file; what follows the observed friction does not.
+USUAL = "disturbance_observer"
 # Digits that are written.
 DIGITS = 6
 
