@@ -30,12 +30,14 @@ AS_GOOD = 1.1
 class Residual(NamedTuple):
     """What remains with a compensation, the worst over the true levels of friction [rad].
 
-    ``settled`` says whether the error does not change any more.
+    ``settled`` says whether the error does not change any more. ``chatter_nm`` is the root mean
+    square change [N m] of the torque from sample to sample.
     """
 
     compensation: str
     error_rad: float
     peak_to_peak_rad: float
+    chatter_nm: float
     settled: bool
 
 
@@ -87,8 +89,9 @@ def compare_on_axis(
     residuals = []
     for compensation in CANDIDATES:
         found = [residual(true, axis, controller, compensation, **options) for true in trues]
-        _, errors, sizes, settled = zip(*found, strict=True)
-        residuals.append(Residual(compensation, max(errors), max(sizes), all(settled)))
+        _, errors, sizes, chatters, settled = zip(*found, strict=True)
+        worst = max(errors), max(sizes), max(chatters)
+        residuals.append(Residual(compensation, *worst, all(settled)))
     final = [each for each in residuals if each.settled] or residuals
     best = min(each.error_rad for each in final)
     if not np.isfinite(best):
@@ -137,7 +140,9 @@ def residual(
         agree = np.all(np.ptp(each, axis=0) <= np.maximum(SETTLED * largest, smallest))
         settled = bool(agree and needed <= longest)
         if settled or seconds >= longest:
-            return Residual(compensation, float(largest[0]), float(largest[1]), settled)
+            steps = np.diff(record.torque[len(record.torque) // 2 :])
+            chatter = float(np.sqrt(np.mean(steps**2)))
+            return Residual(compensation, float(largest[0]), float(largest[1]), chatter, settled)
         seconds = min(2.0 * seconds, longest)
 
 

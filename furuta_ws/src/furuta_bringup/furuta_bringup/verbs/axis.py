@@ -107,7 +107,7 @@ def command(
         _save(save, _identify(records, columns, joints, force, as_json))
         return
     result: dict[str, Any] = {}
-    others, found = [], 4096
+    others, found, sample_time = [], 4096, 1e-3
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
     if records:
         from furuta.axis.draws import COMPARED, consequences, drawn_axes, identified_axis, report
@@ -116,6 +116,8 @@ def command(
         result["identified"] = _report(fit, as_json)
         _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
+        # The friction observer will run at the rate of the recording.
+        sample_time = fit.recordings[0].interval if save else sample_time
         axes = drawn_axes(fit)
         others = axes[:COMPARED]
     else:
@@ -129,7 +131,13 @@ def command(
         result |= report(fit, consequences(axes, controller, reference_speed))
     if cycle.kind != "unbounded":
         compared = compare_on_axis(
-            axis, controller, speed=reference_speed, counts=counts, cycle=cycle, others=others
+            axis,
+            controller,
+            speed=reference_speed,
+            counts=counts,
+            sample_time=sample_time,
+            cycle=cycle,
+            others=others,
         )
         result["compensations"] = [residual._asdict() for residual in compared.residuals]
         best = compared.recommended
