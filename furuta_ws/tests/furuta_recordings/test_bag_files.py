@@ -381,7 +381,10 @@ def test_joint_states_of_controllers(
         np.testing.assert_allclose(found.measured[:, 0], 0.1 * np.arange(50))
         np.testing.assert_allclose(found.command, np.arange(50.0))
         assert f"{bag.name}: position of b from /states" in found.findings[0]
-        assert ("the controller commands" in found.findings[0]) == commanded
+        assert ("effort of b: what its controller" in found.findings[-1]) == commanded
+        of_rig = read(bag, Mapping("b", "a", command="effort", states="states"))
+        np.testing.assert_allclose(of_rig.measured[:, 0], found.measured[:, 0])
+        assert of_rig.findings == found.findings[1:]
         np.testing.assert_allclose(read_axis(bag, joint="c").measured[:, 0], -0.2 * np.arange(50))
         with pytest.raises(ParameterError, match="on each of /right, /left; name the joint"):
             read_axis(bag)

@@ -48,8 +48,6 @@ def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recordi
     own = states.of_joint(joint)
     past = last_part(topic) == MEASUREMENT
     about = f"position of {joint} from {topic}" * (types[topic] != JOINT_STATE_TYPE)
-    if driven is None and own.commanded:
-        about += "; its effort is what the controller commands"
     recording = _Content(path, own, commands, driven is None, past).recording([joint], about)
     if not len(recording.command):
         raise ParameterError(
@@ -164,7 +162,9 @@ class _Content(NamedTuple):
         ordered = [Joint.of(joint[:, 0], joint[:, 1], "", 1.0) for joint in joints]
         time, commands, about_times = self._times(joints[0][:, 2])
         name = self.path.name or self.path.resolve().name  # that of . is empty
-        return recording_of(name, ordered, time, commands, (finding, about_times))
+        commanded = self.effort_drives and names[0] in self.states.commanded
+        about_effort = f"effort of {names[0]}: what its controller commands" * commanded
+        return recording_of(name, ordered, time, commands, (finding, about_effort, about_times))
 
     def _times(self, effort: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray], str]:
         """Times of the samples [s], commands, and how times were taken.
