@@ -61,11 +61,17 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
             self.design_by(self._of.design)
             self.subscribe_to(JOINT_STATES, self.on_joint, BEST_EFFORT)
             self.subscribe_to(REFERENCE, self.on_reference, BEST_EFFORT)
+            if not self.parameters.axis.inertia:
+                self.get_logger().info(
+                    f"axis.inertia of joint {self.parameters.joint} is 0: the measured speed is "
+                    "used, and no friction is observed"
+                )
         self.steady_timer(CHECK_PERIOD, self._check)
 
     def on_state(self, data: bytes) -> None:
         """Estimate the friction of the arm and publish it."""
-        self._answer(*(unpack_joint_state(data) or typed_joint_state(data)))
+        stamp, x = unpack_joint_state(data) or typed_joint_state(data)
+        self._answer(stamp, x)
 
     def on_joint(self, data: bytes) -> None:
         """Estimate the friction of the joint and publish it; other joints are ignored."""
@@ -144,10 +150,8 @@ class ArmFriction:
 
     def estimate(self, x: Signals, interval: int) -> float:
         """F̂ [V] for the state ``x`` (5,) an ``interval`` [ns] after the last; NaN if impossible."""
-        friction = self._step(self._memory, x, self._compensator, starts_anew(interval))
-        if not isnan(friction):
-            self._x = x
-        return friction
+        self._x = x
+        return self._step(self._memory, x, self._compensator, starts_anew(interval))
 
     def is_blind(self) -> bool:
         """Whether the newest state is known, and without its observed friction."""
