@@ -281,6 +281,7 @@ def test_an_axis_from_a_bag(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.measured[:, 0], turns)
     np.testing.assert_allclose(found.measured[:, 1], 1.0)
     np.testing.assert_allclose(found.command, np.arange(300.0))
+    np.testing.assert_allclose(found.command_time, found.time - 1e-9 * STEP, atol=1e-9)
     assert "begins anew after 6.28319" in found.findings[-1]
     assert set(read_axis(bag, joint="b", command="command").command) == {7.0}
     for options, words in (

@@ -90,6 +90,8 @@ def test_several_joints_of_a_bag(furuta: Any, robot: Path, tmp_path: Path) -> No
     assert status == 0, err
     assert "  joint wrist, inertia 0.0" in out
     for name, level in (("elbow", 0.1), ("wrist", 0.2)):
+        # The effort acts from its sample on, not until then.
+        assert found[name]["delay"] == pytest.approx(0.002, rel=0.1)
         assert abs(found[name]["alpha0"] - level) < 4.0 * found[name]["standard_errors"]["alpha0"]
         parameters = library.read_joint_file(saved, name).parameters
         assert parameters["alpha0"] == pytest.approx(found[name]["alpha0"], rel=1e-5)

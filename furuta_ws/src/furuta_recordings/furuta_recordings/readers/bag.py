@@ -46,9 +46,11 @@ def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recordi
         driven = _command_topic(path, types, topic, drive)
         commands = Series() if driven is None else read_series(bag, [driven])[driven]
     own = states.of_joint(joint)
-    past = last_part(topic) == MEASUREMENT
     about = f"position of {joint} from {topic}" * (types[topic] != JOINT_STATE_TYPE)
-    recording = _Content(path, own, commands, driven is None, past).recording([joint], about)
+    # A measured effort is that before its sample, a commanded one that after it. The fit finds a
+    # delay, but none below 0.
+    content = _Content(path, own, commands, driven is None, effort_is_past=True)
+    recording = content.recording([joint], about)
     if not len(recording.command):
         raise ParameterError(
             f"{path}: no effort of joint {joint}; name the topic of its drive with --command"
