@@ -248,7 +248,7 @@ def test_what_is_no_joint_file_is_refused(tmp_path: Path) -> None:
         ("", None, "is no joint file"),
         ("/a: {ros__parameters: {joint: a}}", None, "is no joint file"),
         (joint.format("a") + joint.format("b"), None, "several joints, name one"),
-        (joint.format("elbow"), "elbo", "no joint elbo; it has elbow; did you mean elbow"),
+        (joint.format("elbow"), "elbo", "no joint elbo; it has elbow"),
         (joint.format("a") + gains, None, "the controller must be pid"),
     ):
         path.write_text(text)

@@ -19,7 +19,7 @@ from furuta.axis.axis import Cascade, Controller, Pid
 from furuta.axis.draws import identified_axis, left_out
 from furuta.axis.servo import POLES, observer_parameters, paper_units
 from furuta.identification.axis.identify import AxisFit
-from furuta_model.parameters import ParameterError, number_from_text, shortened, suggestion, values
+from furuta_model.parameters import ParameterError, number_from_text, shortened, values
 from furuta_ros.parameter_files import PARAMETERS, read_sections
 from furuta_ros.whole_files import whole_file
 
@@ -146,10 +146,8 @@ def _section(key: str, parameters: Mapping[str, Any], about: Mapping[str, str]) 
 
 def _text(value: Any) -> str:
     """A value in YAML, on one line; a number with the digits that are written."""
-    if isinstance(value, list):
-        return f"[{', '.join(map(_text, value))}]"
     plain = float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
-    return str(yaml.safe_dump(plain, width=np.inf)).splitlines()[0]
+    return str(yaml.safe_dump(plain, default_flow_style=True, width=np.inf)).splitlines()[0]
 
 
 def _one_line(text: str) -> str:
@@ -182,8 +180,7 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
         raise ParameterError(f"{path} has several joints, name one with --joint: {listed}")
     name = joint or next(iter(joints))
     if name not in joints:
-        near = suggestion(name, joints)
-        raise ParameterError(f"{path} has no joint {shortened(name)[1:-1]}; it has {listed}{near}")
+        raise ParameterError(f"{path} has no joint {shortened(name)[1:-1]}; it has {listed}")
     space = joints[name]
     gains = found.get(f"{space}/{CONTROLLER}")
     controller = None if gains is None else _controller(path, gains)
