@@ -5,6 +5,7 @@ from typing import Any
 
 import click
 
+from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import HelpfulGroup, json_option, model_options
 from furuta_bringup.printing import show
 from furuta_ros.whole_files import whole_file
@@ -12,7 +13,7 @@ from furuta_ros.whole_files import whole_file
 
 @click.group(cls=HelpfulGroup)
 def command() -> None:
-    """Export estimator, friction observer and controller for use without Python."""
+    """Export a loop for use without Python, or an identified joint for simulators."""
 
 
 @command.command("c")
@@ -82,6 +83,39 @@ def _loop_files(
         rig, _ = rig_from_content(given[file], file)
     origin = ["Control system of the Furuta pendulum.", *map(_origin, given.items()), *assignments]
     return loop_files(exported, rig, precision, " ".join(origin))
+
+
+def _joint_command(form: str, about: str) -> None:
+    """Add the command that writes a joint in a format."""
+
+    @command.command(form, help=f"Write an identified joint as {about}.")
+    @click.option("--axis", "path", type=click.Path(path_type=Path), required=True, metavar="FILE",
+        help="Joint file, from axis --save.")  # fmt: skip
+    @click.option("--joint", metavar="NAME", help="Joint to use if the file has several.")
+    @click.option("--prismatic", is_flag=True, help="The joint slides: N, m and kg.")
+    @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="File to write "
+        "instead of standard output.")  # fmt: skip
+    def write(path: Path, joint: str | None, out: Path | None, **options: Any) -> None:
+        from furuta.axis.joint_file import read_joint_file
+        from furuta.export.joint_models import joint_model
+
+        text = joint_model(read_joint_file(path, joint), form, **options)
+        if out is None:
+            print(text, end="")
+            return
+        with whole_file(out) as file:
+            file.write_text(text, encoding="utf-8")
+
+    if form == "mjcf":
+        click.option("--lugre", is_flag=True, help="LuGre friction, with which the joint hunts, "
+            "sticks and slips; needs MuJoCo 3.7.")(write)  # fmt: skip
+        click.option("--step", type=FiniteRange(1e-6, 1e-2), default=1e-3, show_default=True,
+            help="Time step [s]; the shorter, the harder is the bristle.")(write)  # fmt: skip
+
+
+_joint_command("urdf", "URDF, with Coulomb and viscous friction")
+_joint_command("sdf", "SDF for Gazebo, with Coulomb and viscous friction")
+_joint_command("mjcf", "MJCF for MuJoCo, with Coulomb or LuGre friction")
 
 
 def _origin(given: tuple[Path, Any]) -> str:
