@@ -112,7 +112,7 @@ def _bristle(name: str, p: dict[str, float], frequency: float) -> str:
     values = [stiffness, stiffness / frequency, p["alpha0"], p["alpha0"] + p["alpha1"]]
     if not (p["alpha0"] and p["stribeck_velocity"]):
         raise ParameterError(f"{name}: LuGre friction needs alpha0, stribeck_velocity above 0")
-    lugre = " ".join(map(repr, [*values, p["stribeck_velocity"]]))
+    lugre = " ".join(f"{value:.6g}" for value in (*values, p["stribeck_velocity"]))
     return f"""
     <dcmotor name={quoteattr(f"{name}_friction")} joint={quoteattr(name)}
              motorconst="1e-9" resistance="1e9" lugre="{lugre}"/>"""
