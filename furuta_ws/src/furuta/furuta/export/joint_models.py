@@ -36,12 +36,7 @@ NAMES = ("alpha0", "alpha1", "stribeck_velocity", "viscous", "axis.viscous", *LO
 
 
 def joint_model(
-    file: JointFile,
-    form: str,
-    *,
-    prismatic: bool = False,
-    lugre: bool = False,
-    step: float = 1e-3,
+    file: JointFile, form: str, prismatic: bool = False, lugre: bool = False, step: float = 1e-3
 ) -> str:
     """The joint of a joint file in one of the :data:`FORMATS`.
 
@@ -60,9 +55,7 @@ def joint_model(
         raise ParameterError(f"XML has no such name: {shortened(name)}")
     p = {each: _number(file, each) for each in NAMES}
     mass, centre, moment = _weight(name, p, prismatic)
-    friction, bristle = f' frictionloss="{p["alpha0"]!r}" {HARD.format(2.0 * step)}', ""
-    if lugre:
-        friction, bristle = "", _bristle(name, p, BRISTLE / step)
+    dry = f' frictionloss="{p["alpha0"]!r}" {HARD.format(2.0 * step)}'
     return filled(
         f"joint.{form}",
         joint=quoteattr(name),
@@ -78,8 +71,8 @@ def joint_model(
         limit=UNLIMITED * prismatic,
         damping=p["viscous"] + p["axis.viscous"],
         coulomb=p["alpha0"],
-        friction=friction,
-        bristle=bristle,
+        friction="" if lugre else dry,
+        bristle=_bristle(name, p, BRISTLE / step) if lugre else "",
         step=step,
     )
 
