@@ -250,6 +250,7 @@ def test_what_is_no_joint_file_is_refused(tmp_path: Path) -> None:
         (joint.format("a") + joint.format("b"), None, "several joints, name one"),
         (joint.format("elbow"), "elbo", "no joint elbo; it has elbow"),
         (joint.format("a") + gains, None, "the controller must be pid"),
+        (joint.format("a"), None, "joint a has no sample_time, alpha0"),
     ):
         path.write_text(text)
         with pytest.raises(furuta.ParameterError, match=words):

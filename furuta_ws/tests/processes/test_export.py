@@ -26,7 +26,8 @@ JOINT = """
 /elbow/friction_observer:
   ros__parameters: {joint: "left/elbow<&'>", alpha0: 0.4, alpha1: 0.1, stribeck_velocity: 0.02,
     viscous: 0.01, asymmetry: 0.0, axis.inertia: 0.03, axis.viscous: 0.12, axis.offset: 0.05,
-    axis.gravity_sin: 2.0, axis.gravity_cos: -1.0}
+    axis.gravity_sin: 2.0, axis.gravity_cos: -1.0,
+    sample_time: 0.002, sigma0: 100.0, sigma1: 1.0}
 """
 
 
@@ -108,9 +109,9 @@ def test_joint_with_lugre(furuta: Any, joints: Path, tmp_path: Path) -> None:
     ("old", "new", "options", "said"),
     [
         ("friction_observer", "plant", (), "joints.yaml is no joint file"),
-        ("axis.inertia: 0.03", "axis.inertia: 0", (), "axis.inertia must be 1e-12 to 1e+12"),
-        ("alpha0: 0.4, ", "", (), "alpha0 must be 0 to 1e+12, given None"),
-        ("0.02", "0", ("--lugre",), "LuGre friction needs"),
+        ("axis.inertia: 0.03", "axis.inertia: 0", (), "a model needs axis.inertia above 0"),
+        ("alpha0: 0.4, ", "", (), "has no alpha0"),
+        ("alpha0: 0.4", "alpha0: 0.0", ("--lugre",), "LuGre friction needs"),
         ("", "", ("--prismatic",), "is not prismatic"),
     ],
 )

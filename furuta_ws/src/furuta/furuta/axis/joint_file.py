@@ -32,6 +32,8 @@ OF_AXIS = ("inertia", "viscous", *OF_LOAD)
 # Compensation if no controller is known with which others could be compared. LuGre can hunt where
 # the true level is a fourth below that of the file; what follows the observed friction does not.
 USUAL = "disturbance_observer"
+# What a joint must have: the defaults of these are the pendulum's.
+NEEDED = ("sample_time", "alpha0", "alpha1", "stribeck_velocity", "sigma0", "sigma1")
 # Digits that are written.
 DIGITS = 6
 
@@ -182,9 +184,12 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     if name not in joints:
         raise ParameterError(f"{path} has no joint {shortened(name)[1:-1]}; it has {listed}")
     space = joints[name]
+    parameters = found[f"{space}/{OBSERVER}"]
     gains = found.get(f"{space}/{CONTROLLER}")
     controller = None if gains is None else _controller(path, gains)
-    return JointFile(name, found[f"{space}/{OBSERVER}"], controller)
+    if missing := [each for each in NEEDED if each not in parameters]:
+        raise ParameterError(f"{path}: joint {name} has no {', '.join(missing)}")
+    return JointFile(name, parameters, controller)
 
 
 def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:

@@ -5,11 +5,13 @@ weight gives the gravity torque. The formats have Coulomb and viscous friction. 
 3.7 on, also has LuGre friction: that of a motor, here of one without current.
 """
 
+from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 from furuta.axis.joint_file import JointFile
 from furuta.export.text import filled
-from furuta_model.parameters import ParameterError, number_from_text, shortened
+from furuta_friction.joint_observer import ObserverNodeParameters
+from furuta_model.parameters import ParameterError, build, shortened, values
 
 # Types of a joint that turns and of one that slides, by format.
 FORMATS = {
@@ -28,11 +30,6 @@ HARD = 'solreffriction="{!r} 1" solimpfriction="0.9999 0.9999 0.001 0.5 2"'
 # URDF wants limits of a joint that slides.
 UNLIMITED = """
     <limit lower="-1e6" upper="1e6" velocity="1e6" effort="1e6"/>"""
-# Largest size of a value, and the smallest values of those that need not be 0 or above.
-LARGEST = 1e12
-LOWEST = {"axis.inertia": 1e-12, "asymmetry": -1.0}
-LOWEST |= dict.fromkeys(("axis.offset", "axis.gravity_sin", "axis.gravity_cos"), -LARGEST)
-NAMES = ("alpha0", "alpha1", "stribeck_velocity", "viscous", "axis.viscous", *LOWEST)
 
 
 def joint_model(
@@ -53,7 +50,9 @@ def joint_model(
     name = file.joint
     if not name.isprintable():
         raise ParameterError(f"XML has no such name: {shortened(name)}")
-    p = {each: _number(file, each) for each in NAMES}
+    p = values(build(ObserverNodeParameters, file.parameters))
+    if not p["axis.inertia"]:
+        raise ParameterError(f"{shortened(name)}: a model needs axis.inertia above 0, given 0")
     mass, centre, moment = _weight(name, p, prismatic)
     dry = f' frictionloss="{p["alpha0"]!r}" {HARD.format(2.0 * step)}'
     return filled(
@@ -77,16 +76,7 @@ def joint_model(
     )
 
 
-def _number(file: JointFile, name: str) -> float:
-    number, low = number_from_text(file.parameters.get(name)), LOWEST.get(name, 0.0)
-    if type(number) not in (int, float) or not low <= number <= LARGEST:
-        raise ParameterError(
-            f"{file.joint}: {name} must be {low:g} to {LARGEST:g}, given {shortened(number)}"
-        )
-    return float(number)
-
-
-def _weight(name: str, p: dict[str, float], prismatic: bool) -> tuple[float, str, float]:
+def _weight(name: str, p: dict[str, Any], prismatic: bool) -> tuple[float, str, float]:
     """Mass, its centre and the moment of inertia about it, for g_s sin q + g_c cos q."""
     inertia, torques = p["axis.inertia"], (p["axis.gravity_cos"], p["axis.gravity_sin"])
     if prismatic:
@@ -99,19 +89,19 @@ def _weight(name: str, p: dict[str, float], prismatic: bool) -> tuple[float, str
     return mass, f"{x!r} 0 {z!r}", inertia - square / mass
 
 
-def _bristle(name: str, p: dict[str, float], frequency: float) -> str:
+def _bristle(name: str, p: dict[str, Any], frequency: float) -> str:
     """LuGre friction in MJCF."""
     stiffness = p["axis.inertia"] * frequency**2
     values = [stiffness, stiffness / frequency, p["alpha0"], p["alpha0"] + p["alpha1"]]
-    if not (p["alpha0"] and p["stribeck_velocity"]):
-        raise ParameterError(f"{name}: LuGre friction needs alpha0, stribeck_velocity above 0")
+    if not p["alpha0"]:
+        raise ParameterError(f"{name}: LuGre friction needs alpha0 above 0")
     lugre = " ".join(f"{value:.6g}" for value in (*values, p["stribeck_velocity"]))
     return f"""
     <dcmotor name={quoteattr(f"{name}_friction")} joint={quoteattr(name)}
              motorconst="1e-9" resistance="1e9" lugre="{lugre}"/>"""
 
 
-def _about(p: dict[str, float], lugre: bool) -> str:
+def _about(p: dict[str, Any], lugre: bool) -> str:
     """What the model lacks."""
     names = ("asymmetry", "axis.offset") if lugre else ("alpha1", "asymmetry", "axis.offset")
     lacking = ", ".join(f"{name} {p[name]:g}" for name in names if p[name])
