@@ -51,7 +51,7 @@ class ControllerNode(Node):
             sys.exit(f"motion must be one of {', '.join(MOTIONS)}, given {motion}")
         self.motion = MOTIONS[motion]
         self.seconds = self.declare_parameter("seconds", 60.0).value
-        elbow = self.declare_parameter("pid", [60.0, 150.0, 7.0]).value
+        elbow = self.declare_parameter("pid", [60.0, 150.0, 5.0]).value
         self.kp, self.ki, self.kd = np.transpose([SHOULDER_PID, elbow])
         self.begin, self.time, self.integral = 0.0, 0.0, np.zeros(2)
         self.friction, self.friction_time = 0.0, -LOST

@@ -10,16 +10,15 @@ are its own: nothing of this workspace is in it.
 from array import array
 from math import pi
 from signal import SIGINT, signal
-from time import monotonic_ns
 from typing import NamedTuple
 
 import numpy as np
 import rclpy
 from numba import njit
+from rclpy.duration import Duration
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
@@ -28,7 +27,7 @@ SAMPLE, STEPS = 0.002, 20  # [s], steps of the simulation in a sample
 COUNT, TORQUE_STEP = 2.0 * pi / 2**16, 0.02  # of the encoders [rad] and of the drives [N m]
 LARGEST_TORQUE = np.array([150.0, 40.0])  # [N m]
 FILTER_TIME = 0.004  # of the published velocity [s]
-PATIENCE = 0.1  # without a command for so long [s] the brakes close
+PATIENCE = 50  # samples without a command after which the brakes close
 
 
 class Arm(NamedTuple):
@@ -44,7 +43,7 @@ class Arm(NamedTuple):
     inertia: tuple[float, float] = (0.06, 0.03)
     rotor: tuple[float, float] = (0.5, 0.12)
     coulomb: tuple[float, float] = (6.0, 2.0)
-    stiction: tuple[float, float] = (2.0, 0.7)
+    stiction: tuple[float, float] = (3.0, 1.2)
     fall: tuple[float, float] = (0.05, 0.05)
     viscous: tuple[float, float] = (3.0, 0.9)
     load: tuple[float, float] = (0.02, 0.02)
@@ -52,8 +51,7 @@ class Arm(NamedTuple):
     gravity: float = 9.81
 
 
-ARM = Arm()
-BRAKED = ARM._replace(brake=200.0)
+ARM, BRAKE = Arm(), 200.0
 
 
 @njit(cache=True)
@@ -103,36 +101,31 @@ class Robot:
         self.arm = arm
         self.angle, self.speed = np.array([0.5, -0.8]), np.zeros(2)
         self.torque, self.velocity = np.zeros(2), np.zeros(2)
-        self.position = self._encoders()
+        self.position = COUNT * np.round(self.angle / COUNT)
 
-    def _encoders(self) -> np.ndarray:
-        return COUNT * np.round(self.angle / COUNT)
-
-    def sample(self, torque: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Move for a sample; then take a torque, None for brakes, for the next one.
+    def sample(self, torque: np.ndarray, brakes: bool) -> tuple[np.ndarray, ...]:
+        """Move for a sample; then take the torque of the next one, or close the brakes.
 
         Returns the measured positions, velocities and efforts. An effort is the torque so far.
         """
         effort = self.torque.copy()
         move(self.angle, self.speed, effort, SAMPLE / STEPS, STEPS, self.arm)
-        before, self.position = self.position, self._encoders()
+        before, self.position = self.position, COUNT * np.round(self.angle / COUNT)
         difference = (self.position - before) / SAMPLE
         self.velocity = self.velocity + SAMPLE / FILTER_TIME * (difference - self.velocity)
-        self.arm = self.arm._replace(brake=BRAKED.brake if torque is None else 0.0)
-        wanted = np.zeros(2) if torque is None else torque
-        limited = np.clip(wanted, -LARGEST_TORQUE, LARGEST_TORQUE)
+        self.arm = self.arm._replace(brake=BRAKE * brakes)
+        limited = np.clip(torque * (not brakes), -LARGEST_TORQUE, LARGEST_TORQUE)
         self.torque = TORQUE_STEP * np.round(limited / TORQUE_STEP)
         return self.position, self.velocity, effort
 
 
 class RobotNode(Node):
-    """Runs the robot in real time."""
+    """Runs the robot in real time, or slower if the computer is busy; the stamps stay even."""
 
     def __init__(self) -> None:
         super().__init__("robot")
-        self.robot, self.torque, self.received = Robot(), None, 0
-        self.next = monotonic_ns()
-        self.ahead = self.get_clock().now().nanoseconds - self.next  # of the stamps' clock
+        self.robot, self.torque, self.waited = Robot(), np.zeros(2), PATIENCE
+        self.stamp = self.get_clock().now()
         self.message = JointState(name=JOINTS)
         self.publisher = self.create_publisher(JointState, "/joint_states", 10)
         topic = "/effort_controller/commands"
@@ -140,22 +133,21 @@ class RobotNode(Node):
         self.create_timer(SAMPLE, self.on_time)
 
     def on_command(self, message: Float64MultiArray) -> None:
-        """Keep the newest command; one that is no pair of numbers closes the brakes."""
+        """Keep the newest command, if it is a number for each joint."""
         torque = np.array(message.data)
-        self.torque = torque if torque.shape == (2,) and np.all(np.isfinite(torque)) else None
-        self.received = monotonic_ns()
+        if torque.shape == (2,) and np.all(np.isfinite(torque)):
+            self.torque, self.waited = torque, 0
 
     def on_time(self) -> None:
-        """Publish the samples that are due, several after a pause."""
-        while self.next <= monotonic_ns():
-            fresh = self.next - self.received < PATIENCE * 1e9
-            position, velocity, effort = self.robot.sample(self.torque if fresh else None)
-            self.message.header.stamp = Time(nanoseconds=self.next + self.ahead).to_msg()
-            self.message.position = array("d", position)
-            self.message.velocity = array("d", velocity)
-            self.message.effort = array("d", effort)
-            self.publisher.publish(self.message)
-            self.next += round(SAMPLE * 1e9)
+        """Publish a sample."""
+        self.waited += 1
+        state = self.robot.sample(self.torque, brakes=self.waited > PATIENCE)
+        self.message.position, self.message.velocity, self.message.effort = (
+            array("d", values) for values in state
+        )
+        self.message.header.stamp = self.stamp.to_msg()
+        self.publisher.publish(self.message)
+        self.stamp += Duration(seconds=SAMPLE)
 
 
 def main() -> None:
@@ -163,7 +155,7 @@ def main() -> None:
     ended: list[object] = []
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)  # its handler ends within callbacks
     signal(SIGINT, lambda *_: ended.append(None))
-    Robot().sample(None)  # compiles
+    Robot().sample(np.zeros(2), brakes=True)  # compiles
     node, executor = RobotNode(), EventsExecutor()
     executor.add_node(node)
     while not ended:

@@ -72,16 +72,16 @@ def test_sticks(robot: Any) -> None:
 
 def test_sample(robot: Any) -> None:
     """A torque acts in the next sample, in the drive's steps and limits; brakes hold the arm."""
-    arm = robot.Robot()
+    arm, none = robot.Robot(), np.zeros(2)
     for _ in range(100):
-        position, velocity, effort = arm.sample(None)
+        position, velocity, effort = arm.sample(none, brakes=True)
     assert position == pytest.approx([0.5, -0.8], abs=robot.COUNT)
     assert [*velocity, *effort] == [0.0] * 4
-    arm.sample(np.array([-500.0, 3.333]))
-    position, velocity, effort = arm.sample(None)
+    arm.sample(np.array([-500.0, 3.333]), brakes=False)
+    position, velocity, effort = arm.sample(none, brakes=True)
     assert effort == pytest.approx([-150.0, 3.34], abs=1e-12)
     assert arm.speed[0] < 0.0
-    _, _, effort = arm.sample(None)
+    _, _, effort = arm.sample(none, brakes=True)
     assert effort.tolist() == [0.0, 0.0]
     assert arm.speed[0] == 0.0
 
