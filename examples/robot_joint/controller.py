@@ -31,7 +31,7 @@ def excite(t: float) -> float:
     """Slow reversals, faster motion every other time, and a stop of 2 s in 10 s."""
     t = 8.0 * (t // 10.0) + min(t % 10.0, 8.0)
     fast = max(sin(2.0 * pi * t / 16.0), 0.0)
-    return 0.6 * sin(2.0 * pi * 0.07 * t) + 0.4 * fast * sin(2.0 * pi * 0.9 * t)
+    return sin(2.0 * pi * 0.05 * t) + 0.4 * fast * sin(2.0 * pi * 0.9 * t)
 
 
 MOTIONS = {
