@@ -1,0 +1,77 @@
+"""Records, identifies and compensates the elbow of the emulated robot, in about eight minutes.
+
+    tools/in_environment python examples/robot_joint/try.py output/elbow
+
+The folder gets the bag and the joint file. If it has a joint file, that is used.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import sleep
+
+from furuta_bringup.graph.processes import executable
+
+HERE, OUT = Path(__file__).parent, Path(sys.argv[1])
+PID = (60.0, 150.0, 5.0)
+COMPENSATIONS = "none", "coulomb", "recommended"
+
+
+@contextmanager
+def running(*command: object) -> Iterator[subprocess.Popen[str]]:
+    """Start a process, and interrupt it in the end if it still runs."""
+    process = subprocess.Popen([*map(str, command)], text=True, stdout=subprocess.PIPE)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+        process.wait()
+
+
+def controller(motion: str, seconds: float) -> list[object]:
+    """The command that runs a motion."""
+    ros = ["--ros-args", "-p", f"motion:={motion}", "-p", f"seconds:={seconds}"]
+    return [sys.executable, HERE / "controller.py", *ros, "-p", f"pid:={list(PID)}"]
+
+
+def observer(file: Path, compensation: str) -> list[object]:
+    """The command of the elbow's friction observer."""
+    names = ["__ns:=/elbow_joint", "joint_states:=/joint_states", "reference:=/reference"]
+    ros = [part for name in names for part in ("-r", name)] + ["--params-file", file]
+    if compensation != "recommended":
+        ros += ["-p", f"compensation:={compensation}", "-p", "axis.super_twisting:=0.0"]
+    return [executable("furuta_friction", "friction_observer"), "--ros-args", *ros]
+
+
+def identify(bag: Path, file: Path) -> None:
+    """Record the rich motion, and write the joint file."""
+    with running(*controller("excite", 63.0)):
+        sleep(3.0)
+        subprocess.run([sys.executable, HERE / "record.py", bag, "58"], check=True)
+    gains = [str(gain) for gain in PID]
+    verb = [executable("furuta_bringup", "furuta"), "axis", "--identify", bag]
+    verb += ["--joint", "elbow_joint", "--pid", *gains, "--save", file]
+    subprocess.run(verb, check=True)
+
+
+def compensate(file: Path) -> None:
+    """Print how well the elbow follows with each compensation."""
+    for motion, seconds in (("sine", 25.0), ("hold", 40.0)):
+        for compensation in COMPENSATIONS:
+            with running(*observer(file, compensation)):
+                run = running(*controller(motion, seconds))
+                with run as process:
+                    out, _ = process.communicate()
+            numbers = "  ".join(f"{k} {v:.4f}" for k, v in json.loads(out).items())
+            print(f"{motion:5} {compensation:12} {numbers}", flush=True)
+
+
+with running(sys.executable, HERE / "robot.py"):
+    if not (OUT / "joint.yaml").exists():
+        identify(OUT / "bag", OUT / "joint.yaml")
+    compensate(OUT / "joint.yaml")
