@@ -18,7 +18,7 @@ from furuta_bringup.graph.processes import executable
 
 HERE, OUT = Path(__file__).parent, Path(sys.argv[1])
 PID = (60.0, 150.0, 5.0)
-COMPENSATIONS = "none", "coulomb", "recommended"
+COMPENSATIONS = "none", "coulomb", "disturbance_observer", "recommended"
 
 
 @contextmanager
@@ -61,14 +61,14 @@ def identify(bag: Path, file: Path) -> None:
 
 def compensate(file: Path) -> None:
     """Print how well the elbow follows with each compensation."""
-    for motion, seconds in (("sine", 25.0), ("hold", 40.0)):
+    for motion, seconds in (("sine", 20.0), ("hold", 30.0)):
         for compensation in COMPENSATIONS:
             with running(*observer(file, compensation)):
                 run = running(*controller(motion, seconds))
                 with run as process:
                     out, _ = process.communicate()
             numbers = "  ".join(f"{k} {v:.4f}" for k, v in json.loads(out).items())
-            print(f"{motion:5} {compensation:12} {numbers}", flush=True)
+            print(f"{motion:5} {compensation:20} {numbers}", flush=True)
 
 
 with running(sys.executable, HERE / "robot.py"):
