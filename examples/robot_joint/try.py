@@ -1,4 +1,4 @@
-"""Records, identifies and compensates the elbow of the emulated robot, in about eight minutes.
+"""Records, identifies and compensates the elbow of the emulated robot, in seven minutes.
 
     tools/in_environment python examples/robot_joint/try.py output/elbow
 
@@ -10,13 +10,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import sleep
 
 from furuta_bringup.graph.processes import executable
 
-HERE, OUT = Path(__file__).parent, Path(sys.argv[1])
+HERE = Path(__file__).parent
 PID = (60.0, 150.0, 5.0)
 COMPENSATIONS = "none", "coulomb", "disturbance_observer", "recommended"
 
@@ -50,28 +50,32 @@ def observer(file: Path, compensation: str) -> list[object]:
 
 def identify(bag: Path, file: Path) -> None:
     """Record the rich motion, and write the joint file."""
-    with running(*controller("excite", 63.0)):
-        sleep(3.0)
-        subprocess.run([sys.executable, HERE / "record.py", bag, "58"], check=True)
-    gains = [str(gain) for gain in PID]
+    with running(*controller("excite", 65.0)):
+        sleep(5.0)
+        subprocess.run([sys.executable, HERE / "record.py", bag, "57"], check=True)
     verb = [executable("furuta_bringup", "furuta"), "axis", "--identify", bag]
-    verb += ["--joint", "elbow_joint", "--pid", *gains, "--save", file]
+    verb += ["--joint", "elbow_joint", "--pid", *map(str, PID), "--save", file]
     subprocess.run(verb, check=True)
 
 
 def compensate(file: Path) -> None:
     """Print how well the elbow follows with each compensation."""
     for motion, seconds in (("sine", 20.0), ("hold", 30.0)):
+        control = controller(motion, seconds)
         for compensation in COMPENSATIONS:
-            with running(*observer(file, compensation)):
-                run = running(*controller(motion, seconds))
-                with run as process:
-                    out, _ = process.communicate()
-            numbers = "  ".join(f"{k} {v:.4f}" for k, v in json.loads(out).items())
+            with running(*observer(file, compensation)), running(*control) as process:
+                out, _ = process.communicate()
+            numbers = "  ".join(f"{name} {value:.4f}" for name, value in json.loads(out).items())
             print(f"{motion:5} {compensation:20} {numbers}", flush=True)
 
 
-with running(sys.executable, HERE / "robot.py"):
-    if not (OUT / "joint.yaml").exists():
-        identify(OUT / "bag", OUT / "joint.yaml")
-    compensate(OUT / "joint.yaml")
+def main(folder: Path) -> None:
+    """All steps with one robot."""
+    with running(sys.executable, HERE / "robot.py"):
+        if not (folder / "joint.yaml").exists():
+            identify(folder / "bag", folder / "joint.yaml")
+        compensate(folder / "joint.yaml")
+
+
+with suppress(KeyboardInterrupt):
+    main(Path(sys.argv[1]))
