@@ -201,7 +201,7 @@ def joint_friction(
 
     Args:
         memory: What is remembered.
-        position: Measured position [rad].
+        position: Measured position [rad]; NaN if it is missing.
         speed: Measured speed [rad/s], used only without an inertia.
         torque: Torque that was applied since the sample before [N m]; NaN if not known.
         reference_speed: Speed of the reference [rad/s]; NaN without one.
@@ -231,9 +231,12 @@ def joint_friction(
 
 @inlined
 def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
-    """Move the estimate by one sample, to a measured position."""
+    """Move the estimate by one sample, to a measured position if there is one."""
     if memory.started:
         predict(memory, p)
+    if isnan(position):
+        return
+    if memory.started:
         innovation = position - memory.estimate[0]
         for i in range(3):
             memory.estimate[i] += p.gain[i] * innovation

@@ -7,7 +7,7 @@ speed in place of a filtered derivative.
 """
 
 from dataclasses import dataclass, field
-from math import sqrt
+from math import isnan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -149,13 +149,15 @@ def servo_sample(
 
     Args:
         memory: What is remembered.
-        position: Measured position [rad].
+        position: Measured position [rad]; NaN if it is missing, but not in the first sample.
         torque: Torque applied since the sample before [N m].
         reference: Position that is wanted [rad].
         reference_speed: Its speed [rad/s].
         p: The design.
     """
     friction = joint_friction(memory.observer, position, np.nan, torque, np.nan, p.observer)
+    if isnan(position) and memory.observer.started:
+        position = memory.observer.estimate[0]
     error, v, f = reference - position, memory.observer.estimate[1], p.feedback
     memory.integral += p.dt * (f.integrates_error * error + f.integrates_speed * v)
     command = f.error * error + f.speed * v + f.reference_speed * reference_speed
