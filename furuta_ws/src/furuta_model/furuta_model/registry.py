@@ -42,6 +42,7 @@ def groups_of(parts: Sequence[Any], module: str, kind: str) -> tuple[Any, Any, A
     ]
     # numpy 1 ends the process on a structured type without fields.
     memory = make_dataclass(f"{kind}Memories", memories or [("none", bool, False)])
+    memory.__doc__ = "What each part remembers, by its name."
     memory.__module__ = module
     return (
         _named_tuple(f"{kind}Parameters", module, parameters, [p.parameters() for p in given]),

@@ -11,13 +11,14 @@ from math import pi
 import numpy as np
 
 from furuta.axis.axis import Controller, Pid
-from furuta.axis.joint_file import JointFile
+from furuta.axis.joint_file import OBSERVER, JointFile
 from furuta.axis.servo import ServoDesign, ServoMemory, design_servo, servo_sample
 from furuta.export.functions import CFunction, Translation
 from furuta.export.loop_files import FLOAT_TOLERANCE, description, parts_of_source, rows, translated
 from furuta.export.structures import initialisation, structures
 from furuta.export.text import comment, filled
 from furuta.export.values import DOUBLE, REAL, Known, Memory, Number, Precision
+from furuta.settings.parameter_names import parameters_in
 from furuta_friction.joint_observer import (
     JointMemory,
     ObserverNodeParameters,
@@ -26,11 +27,14 @@ from furuta_friction.joint_observer import (
 )
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
-from furuta_model.parameters import build
+from furuta_model.parameters import ParameterError, build
+from furuta_ros.parameter_files import is_of_ros
 
 PREFIX = "axis_"
 # Of the run that the test compares; its motion is this many turns at this frequency [Hz].
 SAMPLES, TURNS, FREQUENCY = 500, 0.1, 2.0
+# Position and speed, relative to the reference's.
+LAGGING = 0.9
 STEP = "position", "torque", "reference", "reference_speed"
 FRICTION = "position", "speed", "torque", "reference_speed"
 
@@ -42,8 +46,8 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
         ParameterError: A parameter is not allowed, or something cannot be exported.
     """
     parameters = build(ObserverNodeParameters, joint.parameters)
-    controller = joint.controller or Pid(0.0)
-    design = design_servo(controller, parameters)
+    _check(joint, parameters)
+    design = design_servo(joint.controller or Pid(0.0), parameters)
     whole = Translation(precision, PREFIX)
     memory = Memory(ServoMemory, "memory", "memory->")
     observer = Memory(JointMemory, "&memory->observer", "memory->observer.")
@@ -60,7 +64,8 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
         reset=_call(anew),
         step=_call(step),
         friction=_call(friction),
-        unused="".join(f"    (void){n};\n" for n in FRICTION if n not in friction.parameters),
+        unused_by_step=_unused(STEP, step),
+        unused_by_friction=_unused(FRICTION, friction),
     )
     header = filled(
         "axis.h",
@@ -69,20 +74,40 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
         sample_time=precision.literal(design.dt),
         structures=structures(whole, ServoMemory),
         memory=whole.structure_name(ServoMemory),
-        controller=comment(
-            f"One sample: the command of {_controller(joint.controller)}, with the friction "
-            "estimate in it. torque is what the drive has applied since the sample before."
-        ),
+        controller=comment(_about(joint.controller)),
     )
     return {"axis.h": header, "axis.c": source, "axis_test.c": _test_program(design, precision)}
 
 
-def _controller(controller: Controller | None) -> str:
-    """A controller with its gains."""
+def _check(joint: JointFile, parameters: ObserverNodeParameters) -> None:
+    """Refuse unknown names, a default that fits no joint, and a controller without a speed."""
+    for name in joint.parameters:
+        if not is_of_ros(name):
+            parameters_in(OBSERVER, name)
+    if "sample_time" not in joint.parameters:
+        raise ParameterError(f"{joint.joint} has no sample_time, the time between two calls [s]")
+    if joint.controller is not None and not parameters.axis.inertia:
+        raise ParameterError(
+            f"{joint.joint} has a controller, which takes its speed from the observer: "
+            "axis.inertia must be above 0"
+        )
+
+
+def _about(controller: Controller | None) -> str:
+    """What ``axis_step`` computes, with the gains."""
     if controller is None:
-        return "no controller"
-    gains = ", ".join(f"{name} {value:g}" for name, value in controller._asdict().items())
-    return f"a {type(controller).__name__.lower()} ({gains})"
+        return "One sample: the friction estimate alone, as the joint file has no controller."
+    kind, named = type(controller).__name__, controller._asdict()
+    gains = ", ".join(f"{n} {value:g}" for n, value in named.items() if n != "filter_time")
+    return (
+        f"One sample: the command of the {kind.lower()} controller ({gains}), with the friction "
+        "estimate in it. It is not limited. The speed is that of the observer."
+    )
+
+
+def _unused(names: tuple[str, ...], function: CFunction) -> str:
+    """Statements that name the arguments that a function does not need."""
+    return "".join(f"    (void){name};\n" for name in names if name not in function.parameters)
 
 
 def _call(function: CFunction) -> str:
@@ -92,30 +117,43 @@ def _call(function: CFunction) -> str:
 
 
 def _test_program(design: ServoDesign, precision: Precision) -> str:
-    """A sine that is measured in counts, and the commands for it."""
+    """A sine that is measured in counts, and the commands and friction estimates for it."""
     time, turn = design.dt * np.arange(SAMPLES), 2.0 * pi
     reference = TURNS * turn * np.sin(turn * FREQUENCY * time)
-    count = design.observer.model.resolution
-    position = count * np.floor(0.9 * np.roll(reference, 5) / count)
-    given = np.column_stack([position, np.zeros(SAMPLES), reference, np.gradient(reference, time)])
+    speed, count = np.gradient(reference, time), design.observer.model.resolution
+    position = count * np.floor(LAGGING * np.roll(reference, 5) / count)
+    given = np.column_stack([position, LAGGING * speed, np.zeros(SAMPLES), reference, speed])
     if precision.suffix:
         given = given.astype(np.float32).astype(float)
-    expected = np.empty(SAMPLES)
-    run_servo(new_memory(ServoMemory), given, block(design), expected)
+    expected = np.empty((SAMPLES, 2))
+    run_servo(new_memory(ServoMemory), new_memory(ServoMemory), given, block(design), expected)
     largest = float(np.max(np.abs(expected)))
     return filled(
         "axis_test.c",
         real=precision.name,
         samples=SAMPLES,
         given=rows(given.tolist(), precision),
-        expected="\n".join(f"    {DOUBLE.literal(value)}," for value in expected.tolist()),
+        expected=rows(expected.tolist(), DOUBLE),
         tolerance=FLOAT_TOLERANCE * largest if precision.suffix else 0.0,
     )
 
 
 @compiled
-def run_servo(memory: np.ndarray, given: np.ndarray, p: np.ndarray, commands: np.ndarray) -> None:
-    """Write the commands (n,) for positions, torques, references and their speeds (n, 4)."""
-    for k in range(len(commands)):
-        position, torque, reference, speed = given[k]
-        commands[k] = servo_sample(memory[0], position, torque, reference, speed, p[0])
+def run_servo(
+    of_step: np.ndarray,
+    of_friction: np.ndarray,
+    given: np.ndarray,
+    p: np.ndarray,
+    results: np.ndarray,
+) -> None:
+    """Write commands and friction estimates (n, 2).
+
+    ``given`` (n, 5) has position, speed, torque, reference and its speed. Each result has its own
+    memory.
+    """
+    for k in range(len(given)):
+        position, speed, torque, reference, of_reference = given[k]
+        results[k, 0] = servo_sample(of_step[0], position, torque, reference, of_reference, p[0])
+        results[k, 1] = joint_friction(
+            of_friction[0].observer, position, speed, torque, of_reference, p[0].observer
+        )

@@ -83,7 +83,7 @@ class Translation:
         """The definitions of the helpers that some code uses."""
         given = filled("helpers.c", real=self.precision.name, bits=self.precision.bits)
         names = {text: text.partition("(")[0].split()[-1] for text in given.strip().split("\n\n")}
-        return [text for text, name in names.items() if f"{name}(" in code]
+        return [text for text, name in names.items() if re.search(rf"\b{name}\(", code)]
 
 
 class _Return(NamedTuple):

@@ -169,10 +169,19 @@ def description(groups: Mapping[str, Any], origin: str) -> str:
         lines.append(f"{node}:")
         given = values(group)
         for name, _, _, about in declared(type(group)):  # type: ignore[arg-type]
-            meaning = about.meaning.partition(";")[0]
-            lines.append(f"  {name} = {given[name]} {about.unit}".rstrip() + f": {meaning}")
+            value = given[name]
+            meaning = _meaning(about.meaning, value)
+            lines.append(f"  {name} = {value} {about.unit}".rstrip() + meaning)
     texts = (comment(line)[3:].removesuffix(" */") for line in lines)
     return "/* " + "\n * ".join(texts) + "\n */"
+
+
+def _meaning(text: str, value: Any) -> str:
+    """The meaning of a parameter, or of the choice that is its value."""
+    parts = text.split("; ")
+    if isinstance(value, str) and ": " in parts[0]:
+        return next((part[len(value) :] for part in parts if part.startswith(f"{value}: ")), "")
+    return f": {parts[0]}"
 
 
 def _test_program(loop: Loop, precision: Precision) -> str:

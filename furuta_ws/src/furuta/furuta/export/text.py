@@ -13,7 +13,8 @@ KEPT = "\0"
 
 def comment(text: str, indent: str = "") -> str:
     """A comment."""
-    lines = textwrap.wrap(text, WIDTH - len(indent) - 6, break_long_words=False)
+    within = text.replace("*/", "* /")
+    lines = textwrap.wrap(within, WIDTH - len(indent) - 6, break_long_words=False)
     return "\n".join(
         f"{indent}{'/*' if i == 0 else ' *'} {line}{' */' if i == len(lines) - 1 else ''}"
         for i, line in enumerate(lines)

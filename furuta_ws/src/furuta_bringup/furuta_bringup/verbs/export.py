@@ -54,7 +54,7 @@ def c(
         if files or assignments:
             raise click.UsageError("--axis takes all parameters from its file")
         given = read_joint_file(joints, joint)
-        about = f"Joint {given.joint} of {joints.name}. Units are those of the joint's effort."
+        about = f"Joint {given.joint} of {joints.name}. V is the unit of its effort."
         contents = axis_files(given, precision, about)
     elif joint is not None:
         raise click.UsageError("--joint needs --axis FILE")

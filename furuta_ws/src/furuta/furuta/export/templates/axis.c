@@ -18,10 +18,10 @@ void axis_reset(axis_memory *memory) {
 
 @real@ axis_step(axis_memory *memory, @real@ position, @real@ torque, @real@ reference,
                  @real@ reference_speed) {
-    return @step@;
+@unused_by_step@    return @step@;
 }
 
 @real@ axis_friction(axis_memory *memory, @real@ position, @real@ speed, @real@ torque,
                      @real@ reference_speed) {
-@unused@    return @friction@;
+@unused_by_friction@    return @friction@;
 }

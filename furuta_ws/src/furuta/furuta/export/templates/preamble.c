@@ -9,6 +9,7 @@
 #include <math.h>
 #else /* the compiler's own */
 #define NAN __builtin_nanf("")
+#define INFINITY __builtin_inff()
 #define isnan(x) __builtin_isnan(x)
 #define copysign@s@ __builtin_copysign@s@
 #define fabs@s@ __builtin_fabs@s@
