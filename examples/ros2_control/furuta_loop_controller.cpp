@@ -18,6 +18,7 @@ namespace furuta_example {
 using controller_interface::CallbackReturn;
 using controller_interface::InterfaceConfiguration;
 using controller_interface::interface_configuration_type;
+using controller_interface::return_type;
 
 class FurutaLoopController : public controller_interface::ControllerInterface {
 public:
@@ -38,20 +39,20 @@ public:
     }
 
     CallbackReturn on_deactivate(const rclcpp_lifecycle::State &) override {
-        command_interfaces_[0].set_value(0.0);
-        return CallbackReturn::SUCCESS;
+        return command_interfaces_[0].set_value(0.0) ? CallbackReturn::SUCCESS
+                                                     : CallbackReturn::ERROR;
     }
 
-    controller_interface::return_type update(const rclcpp::Time &,
-                                             const rclcpp::Duration &) override {
+    return_type update(const rclcpp::Time &, const rclcpp::Duration &) override {
         const auto read = [this](std::size_t i) {
-            return static_cast<LOOP_REAL>(state_interfaces_[i].get_value());
+            return static_cast<LOOP_REAL>(state_interfaces_[i].get_optional().value_or(NAN));
         };
         const loop_reading reading = {read(0), read(1), read(2), static_cast<LOOP_REAL>(NAN), read(3)};
         loop_command command;
         loop_step(&loop_, &reading, &command);
-        command_interfaces_[0].set_value(static_cast<double>(command.voltage));
-        return controller_interface::return_type::OK;
+        // While the interface is locked, the last command stays.
+        (void)command_interfaces_[0].set_value(static_cast<double>(command.voltage));
+        return return_type::OK;
     }
 
 private:

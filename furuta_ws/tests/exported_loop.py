@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from sources import ROOT
 
 from furuta.export.loop_files import loop_files
 from furuta.export.values import DOUBLE, FLOAT, Precision
@@ -31,6 +32,18 @@ PAPER = Rig()
 WARNINGS = "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"
 # Functions of math.h are those of this process: to build the C library would take long.
 LIBRARY = "-std=c99", "-O2", "-shared", "-fPIC", "-nostdlib", *WARNINGS
+TARGETS = {
+    "Cortex-M4": ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp"),
+    "Cortex-M0+": ("-target", "thumb-freestanding-eabi", "-mcpu=cortex_m0plus"),
+    "RISC-V": ("-target", "riscv32-freestanding-none", "-mcpu=baseline_rv32-d"),
+}
+X86 = "-target", "x86_64-freestanding-none"
+ALONE = "-std=c99", "-O2", "-ffreestanding", "-fno-math-errno", "-fno-unwind-tables", *WARNINGS
+PRECISIONS = {"double": DOUBLE, "float": FLOAT}
+# In place of a C library.
+MEMORY = Path(__file__).with_name("export_memory.c")
+STAND_INS = Path(__file__).parent / "furuta" / "ros2_control"
+EXAMPLES = ROOT / "examples" / "ros2_control"
 REPLAY = Path(__file__).with_name("export_replay.c")
 NOTHING, RESET, FORGET = range(3)
 # Probabilities per sample of a missing reading, an outlier, a gap of all, a kick, and a reset.
@@ -160,6 +173,23 @@ def load(directory: Path, *sources: str | Path) -> ctypes.CDLL:
     library = directory / f"{len(list(directory.iterdir()))}.so"  # a name is loaded only once
     run_compiler("cc", *LIBRARY, f"-I{directory}", "-o", library, *sources)
     return ctypes.CDLL(str(library))
+
+
+def compile_controller(directory: Path, source: Path) -> None:
+    """Compile a controller against stand-ins for the headers of ros2_control."""
+    stand_in = (STAND_INS / "controller_interface.hpp").read_text()
+    macro = "#define PLUGINLIB_EXPORT_CLASS(Class, Base) static Base *made() { return new Class; }"
+    headers = {
+        "controller_interface/controller_interface.hpp": stand_in,
+        "controller_interface/chainable_controller_interface.hpp": stand_in,
+        "pluginlib/class_list_macros.hpp": macro,
+        "rclcpp/logging.hpp": "",
+    }
+    for name, content in headers.items():
+        (directory / name).parent.mkdir(exist_ok=True)
+        (directory / name).write_text(f"{content}\n")
+    options = "-std=c++17", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", f"-I{directory}"
+    run_compiler("c++", *options, "-c", "-o", directory / "controller.o", source)
 
 
 def _pointer(array: np.ndarray) -> ctypes.c_void_p:

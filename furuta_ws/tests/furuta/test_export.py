@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from elf import Elf
-from exported_loop import WARNINGS, CompiledLoop, Recorder, Run, load, write_loop
-from sources import ROOT
+from exported_loop import (
+    ALONE,
+    EXAMPLES,
+    MEMORY,
+    PRECISIONS,
+    TARGETS,
+    WARNINGS,
+    X86,
+    CompiledLoop,
+    Recorder,
+    Run,
+    compile_controller,
+    load,
+    write_loop,
+)
 
 import furuta
 from furuta.export.functions import Translation
@@ -46,17 +58,7 @@ ALL_SAMPLES, PART = 10_000_000, 100_000
 # Largest deviation of a float's command where no sign or threshold differs [V]; the drive of the
 # paper has steps of 0.005 V.
 FLOAT_DEVIATION = 1e-4
-TARGETS = {
-    "Cortex-M4": ("-target", "thumb-freestanding-eabihf", "-mcpu=cortex_m4+vfp4d16sp"),
-    "Cortex-M0+": ("-target", "thumb-freestanding-eabi", "-mcpu=cortex_m0plus"),
-    "RISC-V": ("-target", "riscv32-freestanding-none", "-mcpu=baseline_rv32-d"),
-}
 BOARD = Path(__file__).with_name("export_board.c")
-STAND_INS = Path(__file__).with_name("ros2_control")
-EXAMPLE = ROOT / "examples" / "ros2_control" / "furuta_loop_controller.cpp"
-X86 = "-target", "x86_64-freestanding-none"
-ALONE = "-std=c99", "-O2", "-ffreestanding", "-fno-math-errno", "-fno-unwind-tables", *WARNINGS
-PRECISIONS = {"double": DOUBLE, "float": FLOAT}
 
 
 def loop_of(case: dict[str, Any]) -> Loop:
@@ -132,24 +134,14 @@ def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> 
 def test_ros2_control_example_compiles(tmp_path: Path) -> None:
     """Against stand-ins for the headers of ros2_control, which are not installed here."""
     write_loop(loop_of(USUAL["lugre"]), tmp_path, FLOAT)
-    for header in (
-        "controller_interface/controller_interface.hpp",
-        "pluginlib/class_list_macros.hpp",
-    ):
-        (tmp_path / header).parent.mkdir()
-    stand_in = STAND_INS / "controller_interface.hpp"
-    shutil.copy(stand_in, tmp_path / "controller_interface")
-    macro = "#define PLUGINLIB_EXPORT_CLASS(Class, Base) static Base *made() { return new Class; }"
-    (tmp_path / "pluginlib/class_list_macros.hpp").write_text(f"{macro}\n")
-    options = "-std=c++17", "-Wall", "-Wextra", "-Werror", "-Wno-unused-function", f"-I{tmp_path}"
-    run_compiler("c++", *options, "-c", "-o", tmp_path / "controller.o", EXAMPLE)
+    compile_controller(tmp_path, EXAMPLES / "furuta_loop_controller.cpp")
 
 
 class LoopOnProcessor:
     """An exported loop on an emulated Cortex-M4 with its floating-point unit."""
 
     def __init__(self, directory: Path) -> None:
-        elf, sources = directory / "loop.elf", (directory / "loop.c", BOARD)
+        elf, sources = directory / "loop.elf", (directory / "loop.c", BOARD, MEMORY)
         options = *TARGETS["Cortex-M4"], "-g", "-nostdlib", "-Wl,-e,board_start", f"-I{directory}"
         run_compiler("cc", *ALONE, *options, "-o", elf, *sources)
         from cortex_m import LOG, SCRIPT, Processor  # noqa: PLC0415 - needs unicorn

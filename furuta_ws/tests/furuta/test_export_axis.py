@@ -1,0 +1,311 @@
+"""Exported C of a joint gives the commands of node and simulation, as that of the pendulum does."""
+
+from __future__ import annotations
+
+import ctypes
+import re
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from elf import Elf
+from exported_loop import (
+    ALONE,
+    EXAMPLES,
+    MEMORY,
+    PRECISIONS,
+    TARGETS,
+    X86,
+    compile_controller,
+    load,
+)
+
+from furuta.axis.axis import Cascade, Pid
+from furuta.axis.joint_file import JointFile
+from furuta.axis.servo import ServoMemory, design_servo
+from furuta.export.axis_files import axis_files, run_servo
+from furuta.export.values import DOUBLE, FLOAT, Precision
+from furuta_friction.joint_observer import ObserverNodeParameters, reset
+from furuta_hw.emulator.firmware_compiler import run_compiler
+from furuta_model.block import block, new_memory
+from furuta_model.compiled import compiled
+from furuta_model.parameters import ParameterError, build
+
+pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
+unicorn = pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
+
+# An elbow with gravity [N m, rad].
+COUNT, INERTIA, LEVEL, STIFFNESS = 1e-4, 0.2, 2.0, 20000.0
+ELBOW = {
+    "joint": "elbow", "sample_time": 0.002, "compensation": "lugre",
+    "alpha0": LEVEL, "alpha1": 0.5, "stribeck_velocity": 0.05, "asymmetry": 0.1,
+    "sigma0": STIFFNESS, "sigma1": 50.0, "observer_gain": 0.0,
+    "axis.inertia": INERTIA, "axis.viscous": 0.3, "axis.gravity_sin": 6.0,
+    "axis.resolution": COUNT, "axis.friction_process_noise": 3.0,
+}  # fmt: skip
+PID, CASCADE = Pid(40.0, 60.0, 4.0), Cascade(8.0, 5.0, 20.0)
+USUAL: dict[str, tuple[Any, dict[str, Any]]] = {
+    "lugre": (PID, {}),
+    "coulomb": (CASCADE, {"compensation": "coulomb"}),
+    "adaptive": (None, {"compensation": "adaptive", "axis.gravity_cos": -2.0}),
+    "combined": (CASCADE, {"compensation": "combined", "axis.offset": 0.5}),
+    "super_twisting": (PID, {"compensation": "none", "axis.super_twisting": 40.0}),
+    "unknown_inertia": (None, {"axis.inertia": 0.0, "viscous": 0.3}),
+}
+FURTHER: dict[str, tuple[Any, dict[str, Any]]] = {
+    "none": (CASCADE, {"compensation": "none"}),
+    "stiction": (PID, {"compensation": "stiction"}),
+    "disturbance_observer": (PID, {"compensation": "disturbance_observer"}),
+}
+CASES = USUAL | FURTHER
+CALLS = Path(__file__).parents[1] / "export_axis.c"
+# Samples between which a joint may rest.
+PART = 200
+# Probabilities per sample of an unknown number, no reference, one that rests, and a reset.
+UNKNOWN, NONE, RESTING, ANEW = 0.02, 0.05, 0.2, 5e-4
+
+
+class Run(NamedTuple):
+    """Position, speed, torque, reference and its speed (n, 5), and resets (n,)."""
+
+    given: np.ndarray
+    resets: np.ndarray
+
+
+def joint_of(case: str) -> JointFile:
+    controller, values = CASES[case]
+    return JointFile("elbow", ELBOW | values, controller)
+
+
+def random_run(samples: int) -> Run:
+    """A joint that moves at random and rests now and then, read in counts."""
+    random, dt = np.random.default_rng(samples), ELBOW["sample_time"]
+
+    def chosen(probability: float) -> np.ndarray:
+        return random.random(samples) < probability
+
+    def held(values: np.ndarray, changes: np.ndarray) -> np.ndarray:
+        """The value at the last change."""
+        return values[np.maximum.accumulate(np.where(changes, np.arange(len(values)), 0))]
+
+    resets = chosen(ANEW)
+    knots = random.uniform(-1.0, 1.0, samples // PART + 2)
+    knots = held(knots, random.random(len(knots)) < 0.7)
+    path = np.interp(np.arange(samples) / PART, np.arange(len(knots)), knots)
+    path = np.convolve(path, np.full(PART // 2, 2.0 / PART), "same")
+    speed = np.gradient(path, dt)
+    path += held(random.uniform(-1.0, 1.0, samples), resets)
+    position = COUNT * np.floor(path / COUNT)
+    torque = INERTIA * np.gradient(speed, dt) + LEVEL * np.tanh(speed / 0.01)
+    torque += 6.0 * np.sin(position) + random.standard_normal(samples)
+    torque[chosen(UNKNOWN)] = np.nan
+    position[1:][chosen(UNKNOWN)[1:] & ~resets[1:]] = np.nan
+    reference = path + 0.01 * random.standard_normal(samples)
+    reference_speed = np.where(chosen(RESTING), 0.0, speed + 0.1 * random.standard_normal(samples))
+    reference_speed[chosen(NONE)] = np.nan
+    measured_speed = speed + 0.01 * random.standard_normal(samples)
+    measured_speed[chosen(UNKNOWN)] = np.nan
+    given = position, measured_speed, torque, reference, reference_speed
+    return Run(np.column_stack(given), resets)
+
+
+def computed(joint: JointFile, run: Run) -> np.ndarray:
+    """Commands and friction estimates (n, 2) as node and simulation compute them."""
+    parameters = build(ObserverNodeParameters, joint.parameters)
+    design = block(design_servo(joint.controller or Pid(0.0), parameters))
+    memories = new_memory(ServoMemory), new_memory(ServoMemory)
+    results, ends = np.empty((len(run.given), 2)), [*np.flatnonzero(run.resets), len(run.given)]
+    for begin, end in pairwise([0, *ends]):
+        run_servo(*memories, run.given[begin:end], design, results[begin:end])
+        for memory in memories:
+            _reset(memory)
+    return results
+
+
+@compiled
+def _reset(memory: np.ndarray) -> None:
+    reset(memory[0].observer)
+
+
+def write_axis(joint: JointFile, directory: Path, precision: Precision = DOUBLE) -> None:
+    for name, content in axis_files(joint, precision, "Joint of a test.").items():
+        (directory / name).write_text(content)
+
+
+def compiled_results(
+    joint: JointFile, run: Run, directory: Path, precision: Precision = DOUBLE
+) -> np.ndarray:
+    """Commands and friction estimates (n, 2) of the exported code."""
+    write_axis(joint, directory, precision)
+    library = load(directory, directory / "axis.c", CALLS)
+    real = np.float32 if precision is FLOAT else np.float64
+    given, results = run.given.astype(real), np.empty((2, len(run.given)), real)
+    for call, result in zip((library.call_step, library.call_friction), results, strict=True):
+        memory = np.zeros(library.memory_size(), dtype=np.uint8)
+        where = ctypes.c_void_p(memory.ctypes.data)
+        library.axis_init(where)
+        call.argtypes = [ctypes.c_void_p] * 3
+        for k, anew in enumerate(run.resets.tolist()):
+            if anew:
+                library.axis_reset(where)
+            from_, to = given.ctypes.data + k * given.strides[0], result.ctypes.data
+            call(where, from_, to + k * result.itemsize)
+    return results.T
+
+
+def assert_same(case: str, samples: int, directory: Path) -> None:
+    """The same bits, or NaN; many different commands."""
+    joint, run = joint_of(case), random_run(samples)
+    expected = computed(joint, run)
+    results = compiled_results(joint, run, directory)
+    assert np.array_equal(results, expected, equal_nan=True)
+    assert len(np.unique(expected)) > 1000
+
+
+@pytest.mark.parametrize("case", USUAL)
+def test_commands_have_the_same_bits(case: str, tmp_path: Path) -> None:
+    """Of ``axis_step`` and ``axis_friction``, with unknown torques and speeds, and resets."""
+    assert_same(case, 25_000, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("case", CASES)
+def test_commands_have_the_same_bits_for_long(case: str, tmp_path: Path) -> None:
+    """A million samples of each case."""
+    assert_same(case, 1_000_000, tmp_path)
+
+
+@pytest.mark.parametrize("case", ["lugre", "combined"])
+def test_floats_deviate_little(case: str, tmp_path: Path) -> None:
+    """On the same samples, less than a hundredth of a count would make as force of the bristle."""
+    joint, run = joint_of(case), random_run(25_000)
+    results, expected = compiled_results(joint, run, tmp_path, FLOAT), computed(joint, run)
+    assert np.array_equal(np.isnan(results), np.isnan(expected))
+    assert np.nanmax(np.abs(results - expected)) < 0.01 * COUNT * STIFFNESS
+
+
+@pytest.mark.parametrize(
+    ("case", "precision", "gain"),
+    [
+        ("lugre", "float", "feedback_speed"),
+        ("combined", "double", "feedback_error"),
+        ("unknown_inertia", "double", "compensation_friction_alpha0"),
+    ],
+)
+def test_the_test_program_finds_a_wrong_gain(
+    case: str, precision: str, gain: str, tmp_path: Path
+) -> None:
+    """It passes as it is, and fails if the gain is changed by 1 %."""
+    write_axis(joint_of(case), tmp_path, PRECISIONS[precision])
+    sources = tmp_path / "axis.c", tmp_path / "axis_test.c"
+    assert load(tmp_path, "-Dmain=axis_test", *sources).axis_test() == 0
+    text, count = re.subn(rf"({gain}) = (\S+);", r"\1 = (1.01f) * (\2);", sources[0].read_text())
+    assert count == 1
+    sources[0].write_text(text)
+    assert load(tmp_path, "-Dmain=axis_test", *sources).axis_test() == 1
+
+
+@pytest.mark.parametrize(
+    ("case", "precision"), [("super_twisting", "float"), ("combined", "double")]
+)
+def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> None:
+    """Compiled without warnings and without a C library; no static memory."""
+    write_axis(joint_of(case), tmp_path, PRECISIONS[precision])
+    warnings = ["-Wdouble-promotion"] if precision == "float" else []
+    out, source = tmp_path / "axis.o", tmp_path / "axis.c"
+    for name, target in TARGETS.items():
+        run_compiler("cc", *ALONE, *warnings, *target, "-c", "-o", out, source)
+        elf = Elf(out)
+        print(name, precision, elf.code_size())
+        assert 1000 < elf.code_size() < 15_000
+        assert elf.memory_size() == 0
+    run_compiler("cc", *ALONE, *warnings, *X86, "-c", "-o", out, source)
+
+
+@pytest.mark.parametrize("precision", PRECISIONS)
+def test_ros2_control_example_compiles(precision: str, tmp_path: Path) -> None:
+    """Against stand-ins for the headers of ros2_control, which are not installed here."""
+    write_axis(joint_of("lugre"), tmp_path, PRECISIONS[precision])
+    compile_controller(tmp_path, EXAMPLES / "joint_friction_controller.cpp")
+
+
+class AxisOnProcessor:
+    """An exported axis on an emulated Cortex-M4 with its floating-point unit."""
+
+    def __init__(self, directory: Path, precision: Precision) -> None:
+        elf, sources = directory / "axis.elf", (directory / "axis.c", CALLS, MEMORY)
+        options = *TARGETS["Cortex-M4"], "-g", "-nostdlib", "-Wl,-e,call_step"
+        run_compiler("cc", *ALONE, *options, f"-I{directory}", "-o", elf, *sources)
+        from cortex_m import LOG, SCRIPT, Processor  # noqa: PLC0415 - needs unicorn
+
+        self._processor = Processor("cortex_m4", Elf(elf))
+        self._memory, self._given, self._result = SCRIPT, SCRIPT + 0x10000, LOG
+        self._real = np.float32 if precision is FLOAT else np.float64
+        self.instructions = 0
+        self._processor.uc.hook_add(unicorn.UC_HOOK_CODE, self._count)
+        self._processor.call("axis_init", self._memory)
+
+    def _count(self, *_: object) -> None:
+        self.instructions += 1
+
+    def call(self, function: str, given: np.ndarray) -> float:
+        """The result for a sample."""
+        self._processor.uc.mem_write(self._given, given.astype(self._real).tobytes())
+        self.instructions = 0
+        self._processor.call(function, self._memory, self._given, self._result)
+        size = np.dtype(self._real).itemsize
+        return np.frombuffer(self._processor.uc.mem_read(self._result, size), self._real)[0]
+
+
+def test_cost_on_a_cortex_m4(tmp_path: Path) -> None:
+    """Floats have the bits of this computer's; below 1000 instructions in a usual sample."""
+    joint, run = joint_of("lugre"), random_run(1500)
+    run = run._replace(resets=np.zeros_like(run.resets))
+    expected = compiled_results(joint, run, tmp_path, FLOAT)
+    for function, results in zip(("call_step", "call_friction"), expected.T, strict=True):
+        machine, costs = AxisOnProcessor(tmp_path, FLOAT), []
+        for given, result in zip(run.given, results, strict=True):
+            assert np.array_equal(machine.call(function, given), result, equal_nan=True)
+            costs.append(machine.instructions)
+        print(function, np.median(costs), max(costs))
+        assert 200 < np.median(costs) < 1000
+        assert max(costs) < 3000
+
+
+def test_a_missing_position_is_predicted() -> None:
+    """Two samples without one are as two that read what was predicted; before the first: NaN."""
+    joint = joint_of("lugre")
+    whole = np.zeros((400, 5))
+    whole[:, 0] = 0.1 * np.sin(0.01 * np.arange(400))
+    gap, unknown = whole.copy(), whole.copy()
+    gap[200:202, 0] = unknown[0, 0] = np.nan
+    read, predicted = (computed(joint, Run(given, np.zeros(400)))[:, 0] for given in (whole, gap))
+    assert np.array_equal(read[:200], predicted[:200]) and not np.isnan(predicted).any()
+    assert np.abs(read - predicted)[200:].max() < 0.05 * np.ptp(read)
+    assert np.isnan(computed(joint, Run(unknown, np.zeros(400)))[0, 0])
+
+
+@pytest.mark.parametrize(
+    ("values", "controller", "message"),
+    [
+        ({"compensation": "lugr"}, None, "compensation.*lugr"),
+        ({"alpha0": -1.0}, None, "alpha0 must be .*-1"),
+        ({"sample_time": 5.0}, None, "sample_time must be .*5"),
+        ({"axis.inerta": 1.0}, None, "no parameter axis.inerta; did you mean.* axis.inertia"),
+        ({"axis.inertia": 0.0}, PID, "elbow has a controller.*axis.inertia must be above 0"),
+    ],
+)
+def test_what_is_refused(values: dict[str, Any], controller: Any, message: str) -> None:
+    """With one line that says what is allowed."""
+    joint = JointFile("elbow", ELBOW | values, controller)
+    with pytest.raises(ParameterError, match=message):
+        axis_files(joint, DOUBLE, "")
+
+
+def test_a_joint_without_sample_time_is_refused() -> None:
+    """The default of the node fits no joint in particular."""
+    parameters = {name: value for name, value in ELBOW.items() if name != "sample_time"}
+    with pytest.raises(ParameterError, match="elbow has no sample_time"):
+        axis_files(JointFile("elbow", parameters, None), DOUBLE, "")
