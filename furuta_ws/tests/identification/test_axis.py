@@ -5,6 +5,7 @@ import pytest
 from sources import RECORDINGS
 from true_axes import TrueAxis, multisine, recorded
 
+from furuta.axis.draws import drawn_axes
 from furuta.identification.axis.identify import AxisFit, identify_axis
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import read_axis
@@ -97,6 +98,18 @@ def test_what_the_model_does_not_have_is_doubtful() -> None:
     fit = identify_axis(sampled(PLAIN._replace(torque_friction=0.3), size=2.0))
     assert fit.usable != "yes"
     assert any("something acts" in reason for reason in fit.reasons)
+
+
+def test_how_friction_falls_is_open_if_the_model_leaves_more_than_noise() -> None:
+    """Then a fall that was found may also be over at once, which decides on hunting."""
+    fit = identify_axis(sampled(PLAIN._replace(alpha1=0.08, stribeck_velocity=0.3), size=2.0))
+    assert {"alpha1", "stribeck_velocity"} <= set(fit.values)
+    laws = {
+        usable: [axis.law for axis in drawn_axes(fit._replace(usable=usable))]
+        for usable in ("yes", "doubtful")
+    }
+    assert set(laws["yes"]) == {"stribeck"}
+    assert 30 < laws["doubtful"].count("stiction") < 70
 
 
 def test_recordings_with_their_own_offsets() -> None:

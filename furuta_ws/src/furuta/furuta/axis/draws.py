@@ -83,7 +83,8 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
 
     The parameters of the identified axis are drawn from the covariance. Where the recording does
     not determine how friction falls, half of the axes have none, the others stiction of any size
-    that the recording would not show.
+    that the recording would not show. If the model leaves more than noise, the form of a fall that
+    was found is not certain either: with half of the axes it is over at once.
 
     Args:
         fit: What :func:`furuta.identify_axis` returned.
@@ -115,6 +116,8 @@ def _drawn(
         factor = np.exp(min(relative, 1.0) * random.standard_normal())
         changes[excess] = max(drawn[excess], 0.0)
         changes[velocity] = friction.stribeck_velocity * float(factor)
+        if fit.usable != "yes" and random.random() < 0.5:
+            law = "stiction"
     elif excess in fit.values:
         change = fit.standard_errors[excess] * random.standard_normal()
         changes[excess] = max(fit.values[excess] + change, 0.0)
