@@ -302,10 +302,3 @@ def test_what_is_refused(values: dict[str, Any], controller: Any, message: str) 
     joint = JointFile("elbow", ELBOW | values, controller)
     with pytest.raises(ParameterError, match=message):
         axis_files(joint, DOUBLE, "")
-
-
-def test_a_joint_without_sample_time_is_refused() -> None:
-    """The default of the node fits no joint in particular."""
-    parameters = {name: value for name, value in ELBOW.items() if name != "sample_time"}
-    with pytest.raises(ParameterError, match="elbow has no sample_time"):
-        axis_files(JointFile("elbow", parameters, None), DOUBLE, "")

@@ -80,12 +80,10 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
 
 
 def _check(joint: JointFile, parameters: ObserverNodeParameters) -> None:
-    """Refuse unknown names, a default that fits no joint, and a controller without a speed."""
+    """Refuse unknown names, and a controller without a speed."""
     for name in joint.parameters:
         if not is_of_ros(name):
             parameters_in(OBSERVER, name)
-    if "sample_time" not in joint.parameters:
-        raise ParameterError(f"{joint.joint} has no sample_time, the time between two calls [s]")
     if joint.controller is not None and not parameters.axis.inertia:
         raise ParameterError(
             f"{joint.joint} has a controller, which takes its speed from the observer: "
