@@ -112,6 +112,29 @@ def test_how_friction_falls_is_open_if_the_model_leaves_more_than_noise() -> Non
     assert 30 < laws["doubtful"].count("stiction") < 70
 
 
+def test_slow_joint_whose_torque_does_not_predict_its_motion() -> None:
+    """Friction is fifteen times the torque that accelerates, errors of the torque are as large."""
+    time = np.arange(2500) / 100.0
+    parts = [(0.8, 0.9, 0.0), (0.2, 2.4, 1.0)]
+    q, v, a = (
+        sum(size * w**k * np.sin(w * time + phase + 0.5 * k * np.pi) for size, w, phase in parts)
+        for k in range(3)
+    )
+    truth = {"inertia": 1.0, "alpha0": 14.0, "viscous": 9.0, "gravity_sin": 8.0, "offset": 0.3}
+    torque = 1.0 * a + 14.0 * np.sign(v) + 9.0 * v + 8.0 * np.sin(q) + 0.3
+    noise = np.random.default_rng(3).standard_normal(len(time))
+    torque += 0.5 * np.cos(9.0 * q) * np.cos(0.37 * time) + 0.8 * noise
+    measured = np.full((len(time), 4), np.nan)
+    measured[:, 0] = 1e-4 * np.round(q / 1e-4)
+    fit = identify_axis(Recording("joint", time, measured, time, torque))
+    assert any("fitted to the torque" in finding for finding in fit.findings)
+    assert fit.usable == "doubtful"
+    for name in ("inertia", "alpha0", "viscous", "gravity_sin"):
+        assert abs(fit.values[name] - truth[name]) < 3.0 * fit.standard_errors[name], name
+    assert fit.standard_errors["inertia"] < 0.3 * truth["inertia"]
+    assert fit.values["alpha0"] == pytest.approx(14.0, rel=0.03)
+
+
 def test_recordings_with_their_own_offsets() -> None:
     """Two recordings give one axis."""
     records = [sampled(PLAIN._replace(offset=offset), seconds=8.0) for offset in (0.02, -0.03)]

@@ -86,8 +86,8 @@ def unknowns(names: Iterable[str], scales: Scales, model: AxisModel) -> Unknowns
 def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
     """The fit with all effects that the segments support."""
     best = base
-    groups: list[tuple[str, ...]] = [(name,) for name in _smooth_effects(drift)]
-    groups += _waves(scales)
+    groups: list[tuple[str, ...]] = [(name,) for name in smooth_effects(drift)]
+    groups += wave_groups(scales)
     for once in (True, False):
         while groups and len(best.model.waves) < MOST_WAVES:
             chances, gains = _chances(cut, best, groups, scales)
@@ -112,7 +112,8 @@ def supported(cut: Segmented, base: Fit, scales: Scales, drift: bool) -> Fit:
     return _reduced(cut, fit(cut, best.model, best.unknowns, best.state.first), scales)
 
 
-def _waves(scales: Scales) -> list[tuple[str, ...]]:
+def wave_groups(scales: Scales) -> list[tuple[str, ...]]:
+    """Cosine and sine of each wave of which the axis travels a whole turn."""
     return [(f"cos {n}", f"sin {n}") for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
 
 
@@ -127,7 +128,7 @@ def _exchanged(cut: Segmented, best: Fit, dropped: Sequence[str], scales: Scales
     model, about = _without(best, dropped, scales)
     state = best.state._replace(model=model, residuals=residuals(model, best.state.first, cut.data))
     without = best._replace(state=state, unknowns=about)
-    others = [group for group in _waves(scales) if group[0] not in about.names]
+    others = [group for group in wave_groups(scales) if group[0] not in about.names]
     _, gains = _chances(cut, without, others, scales)
     other = others[int(np.argmax(gains))]
     return best if other == tuple(dropped) else _extended(cut, without, other, scales)
@@ -151,7 +152,7 @@ def _allowed(group: Sequence[str]) -> float:
 def _reduced(cut: Segmented, best: Fit, scales: Scales) -> Fit:
     """The fit without the effects that are not significant after all."""
     waves = [(f"cos {int(n)}", f"sin {int(n)}") for n in best.model.waves[:, 0]]
-    for group in (*((name,) for name in _smooth_effects(True)), *waves):
+    for group in (*((name,) for name in smooth_effects(True)), *waves):
         if group[0] in best.unknowns.names and chance_of(best, group) > _allowed(group):
             best = fit(cut, *_without(best, group, scales), best.state.first)
     if best.model.alpha1:
@@ -212,7 +213,7 @@ def covariance_with_missed(cut: Segmented, best: Fit, scales: Scales, drift: boo
     its best value would change the others is part of their error.
     """
     covered, known, allowed = best.covariance, best.unknowns.names, best.inflation
-    for name in _smooth_effects(drift):
+    for name in smooth_effects(drift):
         if name in known:
             continue
         every = unknowns((*known, name), scales, best.model)
@@ -224,7 +225,8 @@ def covariance_with_missed(cut: Segmented, best: Fit, scales: Scales, drift: boo
     return covered
 
 
-def _smooth_effects(drift: bool) -> tuple[str, ...]:
+def smooth_effects(drift: bool) -> tuple[str, ...]:
+    """Effects beside those that are always fitted and waves."""
     return ("viscous_difference", "drag", *(("drift",) if drift else ()))
 
 

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.identification.axis.balance import Balance, balanced
 from furuta.identification.axis.effects import (
     ALWAYS,
     FALL,
@@ -44,6 +45,8 @@ DOUBTFUL, USELESS, UNEXPLAINED = 0.005, 0.15, 0.6
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
 BY_CHANCE = 1e-3
+# What is said of a fit of the torques.
+BALANCED = "fitted to the torque while the axis slides, because it does not predict the motion"
 
 
 class AxisFit(NamedTuple):
@@ -53,7 +56,8 @@ class AxisFit(NamedTuple):
     and ``covariance`` are those of all fitted unknowns. ``usable`` is yes, doubtful or no, with
     ``reasons``. ``resolution`` is the smallest change of the position. ``hidden`` is the largest
     stiction above the Coulomb level that the recording would not show. ``left`` are the residuals
-    in the noise of the position, ``part`` relative to the motion that forces cause.
+    in the noise of the position, ``part`` relative to the motion that forces cause, or to the
+    torque if that was fitted.
     """
 
     values: dict[str, float]
@@ -109,16 +113,23 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     cut = segmented(ready)
     base, scales = _first_fit(ready, cut)
     sensor = cut.data.noise
-    if base.rms * sensor > UNEXPLAINED * _forced_motion(cut):
-        raise ParameterError(
-            f"{ready[0].name}: the torque does not explain how the axis moves; check sign, column "
-            "and clock of the torque"
-        )
+    part = base.rms * sensor / _forced_motion(cut)
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
         # Errors of the model are the noise then: they also make the first states uncertain.
         cut = cut.with_noise(base.rms * cut.data.noise)
         base = fit(cut, base.model, base.unknowns, base.state.first, COARSE)
-    best = supported(cut, base, scales, drift=len(ready) == 1)
+    if part <= UNEXPLAINED:
+        best = supported(cut, base, scales, drift=len(ready) == 1)
+        if best.rms * cut.data.noise <= USELESS * _forced_motion(cut):
+            return _result(ready, cut, best, scales, sensor)
+    torques = balanced(ready, base, scales)
+    if torques is not None and torques.part <= USELESS and torques.fit.model.inertia > 0.0:
+        return _result(ready, cut, base, scales, sensor, torques)
+    if part > UNEXPLAINED:
+        raise ParameterError(
+            f"{ready[0].name}: the torque does not explain how the axis moves; check sign, column "
+            "and clock of the torque"
+        )
     return _result(ready, cut, best, scales, sensor)
 
 
@@ -160,15 +171,22 @@ def _first_fit(recordings: Sequence[Recording], cut: Segmented) -> tuple[Fit, Sc
 
 
 def _result(
-    recordings: list[Recording], cut: Segmented, best: Fit, scales: Scales, sensor: float
+    recordings: list[Recording],
+    cut: Segmented,
+    best: Fit,
+    scales: Scales,
+    sensor: float,
+    torques: Balance | None = None,
 ) -> AxisFit:
-    """Values, errors and verdict."""
+    """Values, errors and verdict, from the balance of torques if it is given."""
     left = best.rms * cut.data.noise
-    covered = best.covariance
-    if left >= EXPLAINED * sensor:
+    part, covered = left / _forced_motion(cut), best.covariance
+    hidden = largest_hidden_fall(cut, best, scales)
+    if torques is not None:
+        best, covered, part = torques
+    elif left >= EXPLAINED * sensor:
         covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
     values, errors, undetermined = _reported(best, covered)
-    hidden = largest_hidden_fall(cut, best, scales)
     if best.model.alpha1 and "alpha1" not in best.unknowns.names:
         value, error = best.model.alpha1, stiction_error(cut, best)
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
@@ -187,8 +205,13 @@ def _result(
             f"{recordings[0].name}: the inertia is not determined: {undetermined['inertia']}; "
             "record a motion that accelerates"
         )
-    part = left / _forced_motion(cut)
-    usable, reasons = _verdict(best, left / sensor, part, errors["inertia"] / values["inertia"])
+    noises = left / sensor if torques is None else np.inf
+    usable, reasons = _verdict(best, noises, part, errors["inertia"] / values["inertia"])
+    findings = findings_of(recordings)
+    if torques is not None:
+        findings.append(f"{recordings[0].name}: {BALANCED}")
+        undetermined["delay"] = "taken as 0, and its possible effect is part of the errors"
+        undetermined["asymmetry"] = "acts like an offset while the axis slides"
     return AxisFit(
         values,
         errors,
@@ -197,7 +220,7 @@ def _result(
         covered * np.outer(best.unknowns.sizes, best.unknowns.sizes),
         usable,
         reasons,
-        findings_of(recordings),
+        findings,
         quantisation_step(recordings[0].measured[:, PHI]),
         hidden,
         left / sensor,
@@ -240,9 +263,12 @@ def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tup
     reasons, usable = [], "yes"
     if noises > EXPLAINED and part > DOUBTFUL:
         usable = "no" if part > USELESS else "doubtful"
+        of = "torque"
+        if np.isfinite(noises):
+            of = f"motion, {noises:.1f} times the noise of the position"
         reasons.append(
-            f"the model leaves {100.0 * part:.1f} % of the motion, {noises:.1f} times the noise of "
-            "the position: something acts that it does not have"
+            f"the model leaves {100.0 * part:.1f} % of the {of}: something acts that it does not "
+            "have"
         )
     segments, unknown = best.segments, len(best.unknowns.names)
     if segments < FEWEST_SEGMENTS * unknown:

@@ -1,0 +1,221 @@
+"""Fits an axis to the balance of its torques, where its motion cannot be predicted from them.
+
+If most of the torque works against friction, as in a slow joint of a robot, small errors of the
+torque move a simulated axis far. Its acceleration is then known better than what the torque causes,
+and a fit of the motion makes the inertia too large. Here the equation of motion is multiplied by a
+bump and integrated by parts, so that torque and acceleration are filtered alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.identification.axis.effects import (
+    FALL,
+    GRAVITY,
+    WAVE_BY_CHANCE,
+    Scales,
+    chance_of,
+    smooth_effects,
+    unknowns,
+    wave_groups,
+)
+from furuta.identification.axis.fitting import Fit, Linearised, State, changed, value_of
+from furuta.identification.axis.motion import MOST_WAVES, AxisModel
+from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
+from furuta.identification.axis.start import SLIDES
+from furuta_model.state import PHI
+from furuta_recordings.recording import Recording
+
+# Shortest and longest bump [s], and noise of the acceleration relative to it that is small: a
+# regression makes the inertia too small by the square of it.
+SHORTEST, LONGEST, SMALL = 0.2, 1.0, 0.05
+# Length [s] of a block of the jackknife, fewest blocks for each unknown, more than a recording has;
+# bumps begin by this part of their length apart.
+BLOCK, FEWEST_BLOCKS, MANY, APART = 1.0, 2.0, 10**9, 0.25
+# Largest probability by chance of an effect: errors of the torque that repeat with the motion look
+# like one.
+BY_CHANCE = 1e-3
+# Unknowns of a fit of the motion that are fitted only if the torques show them.
+TESTED = ("delay", "spring", *GRAVITY)
+# Usual intervals from which two samples have a gap between them.
+GAP = 5.0
+
+
+# Unknowns that are one effect.
+Group = tuple[str, ...]
+
+
+class Balance(NamedTuple):
+    """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque."""
+
+    fit: Fit
+    covariance: np.ndarray
+    part: float
+
+
+class _Rows(NamedTuple):
+    """Columns of the balance by name (n,), torque (n,) and block of each row (n,)."""
+
+    columns: dict[str, np.ndarray]
+    torque: np.ndarray
+    block: np.ndarray
+
+
+def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Balance | None:
+    """The fit with all effects that the torques support; None if too little of them slides.
+
+    It has no delay, which a slow motion does not show.
+    """
+    names = [name for name in about.unknowns.names if name not in TESTED]
+    rows = _rows(recordings, scales)
+    if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(about.unknowns.names):
+        return None
+    singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
+    groups = [
+        *((name,) for name in singles),
+        *((GRAVITY,) if GRAVITY[0] in about.unknowns.names else ()),
+    ]
+    model = changed(about.model, [*FALL[:1], *TESTED], [0.0] * (1 + len(TESTED)))
+    best = _supported(rows, _fitted(rows, names, scales, model), scales, groups)
+    part = float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
+    return Balance(best, _covariance_with_missed(rows, best, scales, [("delay",), *groups]), part)
+
+
+def _bump(length: float, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Weights of a sum that average a series, and those of its first two derivatives.
+
+    As differences they give exactly 0 for a constant, however large.
+    """
+    half = max(round(0.5 * length / step), 6)
+    value = np.pad((1.0 - np.linspace(-1.0, 1.0, 2 * half + 1) ** 2) ** 4, 1)
+    value /= np.sum(value)
+    return value, -np.gradient(value) / step, np.diff(np.pad(value, 1), 2) / step**2
+
+
+def _bump_length(recording: Recording) -> float:
+    """The shortest length [s] at which the noise of the position hardly changes the inertia."""
+    part, length = smoothed(recording), SHORTEST
+    position = np.interp(part.time, recording.time, recording.measured[:, PHI])
+    while length < LONGEST:
+        _, _, second = _bump(length, part.time[1] - part.time[0])
+        found = np.convolve(position, second, "valid") if len(second) < len(position) else position
+        if position_noise(recording) * np.linalg.norm(second) < SMALL * np.std(found):
+            break
+        length *= 1.5
+    return min(length, LONGEST)
+
+
+def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
+    """One row for each bump over which an axis slides in one direction."""
+    parts = [smoothed(recording) for recording in recordings]
+    length = max(_bump_length(recording) for recording in recordings)
+    slow = SLIDES * max(float(np.max(np.abs(part.speed))) for part in parts)
+    gathered, blocks = [], []
+    for number, (recording, part) in enumerate(zip(recordings, parts, strict=True)):
+        bump = _bump(length, part.time[1] - part.time[0])
+        columns = _columns(bump, recording, part, scales)
+        for other in range(len(parts)):
+            columns[f"offset {other}"] = np.full(len(columns["torque"]), float(other == number))
+        slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
+        slides *= _has_samples(recording, part.time)
+        width = len(bump[0])
+        whole = np.abs(np.convolve(slides, np.ones(width), "valid")) > width - 0.5
+        whole &= np.arange(len(whole)) % max(int(APART * width), 1) == 0
+        gathered.append({name: column[whole] for name, column in columns.items()})
+        blocks.append(MANY * number + (part.time[: len(whole)][whole] - part.time[0]) // BLOCK)
+    joined = {name: np.concatenate([each[name] for each in gathered]) for name in gathered[0]}
+    return _Rows(joined, joined.pop("torque"), np.concatenate(blocks))
+
+
+def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
+    """Where times lie in no gap."""
+    after = np.clip(np.searchsorted(recording.time, time), 1, len(recording.time) - 1)
+    has: np.ndarray = np.diff(recording.time)[after - 1] < GAP * recording.interval
+    return has
+
+
+def _columns(
+    bump: Sequence[np.ndarray], recording: Recording, part: Smoothed, scales: Scales
+) -> dict[str, np.ndarray]:
+    """The torque, and what each unknown contributes to it, averaged over bumps."""
+
+    def mean(series: np.ndarray, order: int = 0) -> np.ndarray:
+        return np.correlate(series, bump[order], "valid")
+
+    torque = recording.commanded_at(part.time)
+    q = np.interp(part.time, recording.time, recording.measured[:, PHI])
+    speed, side = mean(q, 1), np.sign(mean(part.speed))
+    return {
+        "torque": mean(torque),
+        "inertia": mean(q, 2),
+        "alpha0": side,
+        "viscous": speed,
+        "delay": mean(torque, 1),
+        "gravity_sin": mean(np.sin(q)),
+        "gravity_cos": mean(np.cos(q)),
+        "spring": mean(q),
+        "asymmetry": np.full(len(side), scales.level),
+        "viscous_difference": np.abs(speed),
+        "drag": side * mean(part.speed**2),
+        "drift": mean(part.time),
+        **{
+            name: mean((np.cos if name[:3] == "cos" else np.sin)(int(name[4:]) * q))
+            for group in wave_groups(scales)
+            for name in group
+        },
+    }
+
+
+def _fitted(rows: _Rows, names: Sequence[str], scales: Scales, model: AxisModel) -> Fit:
+    """Least squares of the torques, in which residuals have the unit of torque."""
+    about = unknowns(names, scales, model)
+    about = about._replace(sizes=np.abs(about.sizes))  # without gravity an inertia may be negative
+    columns = np.column_stack([rows.columns[name] for name in names]) * about.sizes
+    free, *_ = np.linalg.lstsq(columns, rows.torque, rcond=None)
+    noise = float(np.std(rows.torque - columns @ free)) or 1e-300
+    x, y = columns / noise, rows.torque / noise
+    information = x.T @ x + np.diag((about.sizes / about.priors) ** 2)
+    step = np.linalg.solve(information, x.T @ y)
+    left = y - x @ step
+    starts = np.flatnonzero(np.diff(rows.block, prepend=-1.0))
+    scores = np.add.reduceat(x * left[:, None], starts)
+    blocks = np.add.reduceat(x[:, :, None] * x[:, None, :], starts)
+    model = changed(model, names, list(about.sizes * step))
+    none = np.zeros((0, 0))
+    linear = Linearised(information, 0.0 * step, scores, blocks, none, none, x, none)
+    return Fit(State(model, none, noise * left, float(np.sum((noise * left) ** 2))), about, linear)
+
+
+def _supported(rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
+    """The fit with all effects that the blocks support."""
+    groups, waves = list(more), wave_groups(scales)
+    while len(best.model.waves) < MOST_WAVES:
+        found = []
+        for group in (*groups, *waves):
+            wider = _fitted(rows, (*best.unknowns.names, *group), scales, best.model)
+            allowed = WAVE_BY_CHANCE if group in waves else BY_CHANCE
+            if chance_of(wider, group) < allowed:
+                found.append((wider.cost, group, wider))
+        if not found:
+            break
+        _, chosen, best = min(found, key=lambda each: each[0])
+        (waves if chosen in waves else groups).remove(chosen)
+    return best
+
+
+def _covariance_with_missed(
+    rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]
+) -> np.ndarray:
+    """Covariance (p, p) in sizes, with how effects that were not found would change the values."""
+    covered, names = best.covariance, best.unknowns.names
+    for group in more:
+        if group[0] not in names:
+            other = _fitted(rows, (*names, *group), scales, best.model).model
+            shift = [value_of(other, each) - value_of(best.model, each) for each in names]
+            relative = np.array(shift) / best.unknowns.sizes
+            covered = covered + np.outer(relative, relative)
+    return covered
