@@ -61,8 +61,9 @@ def test_records_without_information_are_refused() -> None:
     """No number comes without sensitivity: rest, and a torque of another axis."""
     moving = sampled(PLAIN, seconds=4.0)
     still = moving._replace(measured=np.zeros_like(moving.measured))
-    for record in (still, moving._replace(command=-moving.command)):
-        with pytest.raises(ParameterError) as caught:
+    reversed_ = moving._replace(command=-moving.command)
+    for record, advice in ((still, "a larger motion"), (reversed_, "sign.* one joint alone")):
+        with pytest.raises(ParameterError, match=advice) as caught:
             identify_axis(record)
         assert "\n" not in str(caught.value)
 

@@ -36,7 +36,7 @@ def first_models(
     if not found:
         raise ParameterError(
             f"{recordings[0].name}: the torque does not accelerate the axis; change its sign, or "
-            "record a motion that accelerates"
+            "record a motion that accelerates, with one joint alone moving"
         )
 
 
