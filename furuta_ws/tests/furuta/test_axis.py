@@ -216,6 +216,24 @@ def test_bad_input_is_refused() -> None:
         furuta.compare_on_axis(AXIS, furuta.Pid(1.0, 100.0, 0.01))
 
 
+def test_what_is_recommended_for_a_late_loop_with_gears() -> None:
+    """Super-twisting is best, but it chatters, and it bears a late torque and F̂ badly."""
+    compared = [
+        furuta.compare_on_axis(AXIS, PID, counts=2**16, sample_time=2e-3),
+        furuta.compare_on_axis(
+            AXIS, PID, counts=2**16, sample_time=2e-3, delay=2e-3, by_topic=True,
+            largest_chatter=0.25 * FRICTION.alpha0,
+        ),
+    ]  # fmt: skip
+    at_once, late = ({r.compensation: r for r in each.residuals} for each in compared)
+    assert compared[0].recommended.compensation == "super_twisting"
+    assert compared[1].recommended.compensation == "disturbance_observer"
+    assert late["super_twisting"].error_rad > 3.0 * at_once["super_twisting"].error_rad
+    assert at_once["super_twisting"].chatter_nm > 5.0 * at_once["combined"].chatter_nm
+    with pytest.raises(furuta.ParameterError, match="delay 0 to 1 s"):
+        furuta.simulate_axis(AXIS, PID, delay=-1.0)
+
+
 def test_joint_file_of_several_joints(tmp_path: Path) -> None:
     """Two joints, of which one has 100 times the torque: only what has the unit of torque grows."""
     time = np.arange(0.0, 6.0, 1e-3)

@@ -58,6 +58,9 @@ def compare_on_axis(
     speed: float = 0.0,
     counts: int = 4096,
     sample_time: float = 1e-3,
+    delay: float = 0.0,
+    by_topic: bool = False,
+    largest_chatter: float = np.inf,
     cycle: JointCycle | None = None,
     others: Sequence[Axis] = (),
 ) -> AxisComparison:
@@ -70,6 +73,9 @@ def compare_on_axis(
         speed: Speed of the reference [rad/s].
         counts: Counts of the encoder per turn; 0 for a perfect sensor.
         sample_time: Time between samples [s].
+        delay: Time after which a torque acts [s].
+        by_topic: The friction estimate comes a sample late, as from a node of its own.
+        largest_chatter: Chatter [N m] up to which a compensation is recommended.
         cycle: The motion without compensation, if it is known.
         others: Further true axes, such as what a recording leaves open.
 
@@ -83,6 +89,8 @@ def compare_on_axis(
         "speed": speed,
         "counts": counts,
         "sample_time": sample_time,
+        "delay": delay,
+        "by_topic": by_topic,
         "period": cycle.period_s,
     }
     trues = (*(with_level(axis, level) for level in LEVELS), *others)
@@ -92,7 +100,8 @@ def compare_on_axis(
         _, errors, sizes, chatters, settled = zip(*found, strict=True)
         worst = max(errors), max(sizes), max(chatters)
         residuals.append(Residual(compensation, *worst, all(settled)))
-    final = [each for each in residuals if each.settled] or residuals
+    quiet = [each for each in residuals if each.chatter_nm <= largest_chatter] or residuals
+    final = [each for each in quiet if each.settled] or quiet
     best = min(each.error_rad for each in final)
     if not np.isfinite(best):
         raise ParameterError(
@@ -112,6 +121,8 @@ def residual(
     speed: float = 0.0,
     counts: int = 4096,
     sample_time: float = 1e-3,
+    delay: float = 0.0,
+    by_topic: bool = False,
     period: float = np.nan,
 ) -> Residual:
     """What remains on the ``true`` axis with a compensation that knows the ``model``.
@@ -133,6 +144,8 @@ def residual(
             model=model,
             counts=counts,
             sample_time=sample_time,
+            delay=delay,
+            by_topic=by_topic,
         )
         quarters = np.array_split(record.error, 4)[2:]
         each = np.array([(np.abs(part).max(), np.ptp(part)) for part in quarters])

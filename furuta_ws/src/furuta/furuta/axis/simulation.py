@@ -35,7 +35,8 @@ MOST_SAMPLES = 5_000_000
 class LoopDesign(NamedTuple):
     """Plant and servo: ``dt``, ``position`` and ``force`` are in or of the units of the plant.
 
-    ``resolution`` is a count of the encoder in those of the axis, 0 for a perfect sensor.
+    ``resolution`` is a count of the encoder in those of the axis, 0 for a perfect sensor. A command
+    acts ``delay`` samples late; with ``by_topic`` F̂ is that of the sample before.
     """
 
     body: FurutaPendulum
@@ -45,6 +46,8 @@ class LoopDesign(NamedTuple):
     position: float
     force: float
     resolution: float
+    delay: int
+    by_topic: bool
     servo: ServoDesign
 
 
@@ -56,8 +59,10 @@ class LoopMemory:
     servo: ServoMemory = field(default_factory=ServoMemory)
 
 
-def design_loop(axis: Axis, units: Units, count: float, servo: ServoDesign) -> LoopDesign:
-    """The loop of an axis in these units and a servo."""
+def design_loop(
+    axis: Axis, units: Units, count: float, delay: float, by_topic: bool, servo: ServoDesign
+) -> LoopDesign:
+    """The loop of an axis in these units and a servo, whose torque acts after a ``delay`` [s]."""
     dt, friction = servo.dt / units.time, friction_in(units, axis.friction)
     inertia = axis.inertia * units.position / (units.force * units.time**2)
     body = FurutaPendulum(inertia, 1.0, 0.0, 0.0)
@@ -69,6 +74,8 @@ def design_loop(axis: Axis, units: Units, count: float, servo: ServoDesign) -> L
         position=units.position,
         force=units.force,
         resolution=count,
+        delay=round(delay / servo.dt),
+        by_topic=by_topic,
         servo=servo,
     )
 
@@ -82,13 +89,19 @@ def run_loop(
     series: np.ndarray,
 ) -> None:
     """Write true position, measured position and torque of each sample to ``series`` (3, n)."""
-    x, torque = memory[0].x, 0.0
+    x, torque, commands = memory[0].x, 0.0, np.zeros(len(reference))
     for k in range(len(reference)):
         position = p.position * x[PHI]
         measured = position
         if p.resolution > 0.0:
             measured = p.resolution * np.floor(measured / p.resolution + 0.5)
-        torque = servo_sample(memory[0].servo, measured, torque, reference[k], speeds[k], p.servo)
+        friction = memory[0].servo.observer.friction
+        commands[k] = servo_sample(
+            memory[0].servo, measured, torque, reference[k], speeds[k], p.servo
+        )
+        if p.by_topic:
+            commands[k] += friction - memory[0].servo.observer.friction
+        torque = commands[k - p.delay] if k >= p.delay else 0.0
         series[0, k], series[1, k], series[2, k] = position, measured, torque
         advance(x, torque / p.force, p.dt, p.substeps, p.body, p.law)
 
@@ -133,6 +146,8 @@ def simulate_axis(
     model: Axis | None = None,
     counts: int = 4096,
     sample_time: float = 1e-3,
+    delay: float = 0.0,
+    by_topic: bool = False,
 ) -> AxisRecord:
     """Simulate an axis with encoder, controller and friction compensation.
 
@@ -147,6 +162,8 @@ def simulate_axis(
         model: The axis as observer and compensator assume it; the true one by default.
         counts: Counts of the encoder per turn; 0 for a perfect sensor.
         sample_time: Time between samples [s].
+        delay: Time after which a torque acts [s], rounded to samples.
+        by_topic: The friction estimate comes a sample late, as from a node of its own.
 
     Raises:
         ParameterError: An argument is not allowed, or the loop has no poles.
@@ -157,10 +174,11 @@ def simulate_axis(
             raise ParameterError(f"{name} must be one of {', '.join(known)}, given {given}")
     for each in (axis, model or axis):
         check_axis(each, controller)
-    if not (counts >= 0 and 1e-6 <= sample_time <= 0.1 and seconds > 0.0):
+    allowed = counts >= 0 and 1e-6 <= sample_time <= 0.1 and 0.0 <= delay <= 1.0
+    if not (allowed and seconds > 0.0):
         raise ParameterError(
-            "counts must be at least 0, sample_time 1e-6 to 0.1 s and seconds above 0, given "
-            f"{counts}, {sample_time:g} and {seconds:g}"
+            "counts must be at least 0, sample_time 1e-6 to 0.1 s, delay 0 to 1 s and seconds "
+            f"above 0, given {counts}, {sample_time:g}, {delay:g} and {seconds:g}"
         )
     if np.ndim(reference):
         positions, offset = np.array(reference, dtype=float), 0.0
@@ -178,7 +196,8 @@ def simulate_axis(
     units = paper_units(axis, controller)
     count = 2.0 * np.pi / counts if counts else 0.0
     observer = observer_parameters(model or axis, units, compensation, count, sample_time)
-    design = design_loop(axis, units, count, design_servo(controller, observer))
+    servo = design_servo(controller, observer)
+    design = design_loop(axis, units, count, delay, by_topic, servo)
     memory = new_memory(LoopMemory)
     memory[0]["x"][PHI] = (positions[0] - offset) / units.position
     series = np.empty((3, len(positions)))

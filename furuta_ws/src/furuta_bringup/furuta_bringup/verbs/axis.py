@@ -27,6 +27,8 @@ ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 # What a line says of one of several joints.
 OF_FIT = ("inertia", "alpha0", "alpha1", "viscous", "gravity_sin", "gravity_cos")
 SHOWN = (*OF_FIT, "usable", "reasons", "findings")
+# Chatter, relative to the level of friction, of a compensation that is recommended for a robot.
+QUIET = 0.25
 
 
 @click.command()
@@ -107,7 +109,7 @@ def command(
         _save(save, _identify(records, columns, joints, force, as_json))
         return
     result: dict[str, Any] = {}
-    others, found, sample_time = [], 4096, 1e-3
+    others, found = [], 4096
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
     if records:
         from furuta.axis.draws import COMPARED, consequences, drawn_axes, identified_axis, report
@@ -116,8 +118,6 @@ def command(
         result["identified"] = _report(fit, as_json)
         _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
-        # The friction observer will run at the rate of the recording.
-        sample_time = fit.recordings[0].interval if save else sample_time
         axes = drawn_axes(fit)
         others = axes[:COMPARED]
     else:
@@ -135,9 +135,9 @@ def command(
             controller,
             speed=reference_speed,
             counts=counts,
-            sample_time=sample_time,
             cycle=cycle,
             others=others,
+            **(_loop_of_node(fit) if save else {}),
         )
         result["compensations"] = [residual._asdict() for residual in compared.residuals]
         best = compared.recommended
@@ -150,6 +150,19 @@ def command(
     show(result, as_json)
     if records:
         _save(save, [fit], controller, result["recommended"])
+
+
+def _loop_of_node(fit: AxisFit) -> dict[str, Any]:
+    """The loop with a friction observer that is a node of its own, on a robot like the recorded.
+
+    Its gears must not rattle.
+    """
+    return {
+        "sample_time": fit.recordings[0].interval,
+        "delay": fit.values.get("delay", 0.0),
+        "by_topic": True,
+        "largest_chatter": QUIET * fit.values.get("alpha0", 0.0),
+    }
 
 
 def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
