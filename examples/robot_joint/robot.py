@@ -54,7 +54,7 @@ class Arm(NamedTuple):
 ARM, BRAKE = Arm(), 200.0
 
 
-@njit(cache=True)
+@njit
 def move(q: np.ndarray, v: np.ndarray, torque: np.ndarray, h: float, steps: int, arm: Arm) -> None:
     """Move angles and speeds (2,) by steps of ``h`` [s] under a constant torque (2,).
 
