@@ -8,6 +8,7 @@ import sys
 import threading
 from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from furuta_recordings.bags import writer as module
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.metadata import BagTopic
 from furuta_recordings.bags.recovery import recover
+from furuta_recordings.bags.series import Series
 from furuta_recordings.bags.writer import BagWriter
 from furuta_recordings.readers import Mapping, read, read_axis
 from furuta_ros.errors import UserError
@@ -291,6 +293,13 @@ def test_an_axis_from_a_bag(tmp_path: Path) -> None:
     ):
         with pytest.raises(ParameterError, match=words):
             read_axis(bag, **options)
+
+
+@pytest.mark.parametrize("data", [[], [1.0, 2.0]])
+def test_a_command_of_none_or_several_numbers_is_not_guessed(data: list[float]) -> None:
+    """An effort controller's command has one for each joint."""
+    with pytest.raises(ParameterError, match=f"needs one number, a message has {len(data)}"):
+        Series().add_number(0, SimpleNamespace(data=data), "/effort_controller/commands")
 
 
 def test_joints_of_several_publishers(tmp_path: Path) -> None:

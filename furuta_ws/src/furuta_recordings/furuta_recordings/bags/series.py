@@ -175,7 +175,7 @@ def _at(index: int, series: Sequence[float]) -> float:
 
 
 def _number(message: Any, topic: str) -> float:
-    """The number in a message: its data, or the first element of an array."""
+    """The number in a message: its data, or the only element of an array."""
     value = getattr(message, "data", None)
     if value is None:
         raise ParameterError(
@@ -183,6 +183,6 @@ def _number(message: Any, topic: str) -> float:
         )
     if isinstance(value, (int, float)):
         return float(value)
-    if not len(value):
-        raise ParameterError(f"{topic}: a command message has an empty array")
+    if len(value) != 1:
+        raise ParameterError(f"{topic}: a command needs one number, a message has {len(value)}")
     return float(value[0])
