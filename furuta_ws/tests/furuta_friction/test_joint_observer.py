@@ -179,3 +179,6 @@ def test_impossible_numbers_and_models_are_refused() -> None:
     with pytest.raises(ParameterError, match="no filter for inertia 1e-300"):
         build(ObserverNodeParameters, {"joint": "elbow", "axis.inertia": 1e-300})
     assert build(ObserverNodeParameters, {"axis.inertia": 1e-300}).joint == "arm"
+    with pytest.raises(ParameterError, match="alpha0 of the arm must be at most 100, given 150"):
+        build(ObserverNodeParameters, {"alpha0": 150.0})
+    assert build(ObserverNodeParameters, {"joint": "elbow", "alpha0": 150.0}).joint == "elbow"

@@ -7,7 +7,7 @@ import pytest
 from furuta.settings.nodes import NODES
 from furuta.settings.settings import load_settings, parameters_of
 from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, values
 
 OTHERS = ["estimator", "friction_observer", "controller"]
 
@@ -22,10 +22,10 @@ def test_the_rig_reaches_every_node(other_rig: Path, hardware: bool) -> None:
     assert made["estimator"].model == made["plant"].plant.model == model
     # Viscous friction is in the model of estimator and controller, not in the friction estimate.
     friction = made["plant"].plant.friction.parameters
-    assert made["friction_observer"].friction == friction._replace(viscous=0.0)
+    assert made["friction_observer"].observer.friction == friction._replace(viscous=0.0)
     assert made["estimator"].model_viscous == made["controller"].model_viscous == friction.viscous
     assert made["estimator"].sensors == made["plant"].plant.sensors
-    assert {made[name].sample_time for name in OTHERS} == {0.002}
+    assert {values(made[name])["sample_time"] for name in OTHERS} == {0.002}
     assert made["plant"].plant.sample_time == 0.002
     assert made["controller"].voltage_limit == 5.0
 

@@ -157,7 +157,7 @@ class Nodes(RuleBasedStateMachine):
                 self.give(topic, Float64(data=0.1) if "friction" in topic else message, False)
             if self.kind is FrictionObserverNode:
                 v = float(message.velocity[0])
-                limit = largest_estimate(v, design_compensator(self.parameters))
+                limit = largest_estimate(v, design_compensator(self.parameters.observer))
                 assert abs(self.node.published[0][0]) <= limit * (1.0 + 1e-9)
 
     @rule(

@@ -35,6 +35,8 @@ from furuta_model.sensors import variance
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, SIGNALS
 
 ARM: Final = "arm"
+# Largest level [V] and viscous friction [V s/rad] of it.
+LARGEST_OF_ARM: Final = 100.0
 
 
 class JointModel(NamedTuple):
@@ -89,9 +91,15 @@ class ObserverNodeParameters(NamedTuple):
     axis: JointModel = JointModel()
 
     def check(self) -> None:
-        """Reject a joint that the filter cannot be designed for."""
+        """Reject a joint that the filter cannot be designed for, and levels that no arm has."""
         if self.joint != ARM:
             design_joint(self)
+            return
+        for name in ("alpha0", "alpha1", "viscous"):
+            if (value := getattr(self.observer.friction, name)) > LARGEST_OF_ARM:
+                raise ParameterError(
+                    f"{name} of the arm must be at most {LARGEST_OF_ARM:g}, given {value:g}"
+                )
 
 
 class JointDesign(NamedTuple):
