@@ -127,7 +127,7 @@ def correction(
 
 @inlined
 def twist(memory: SuperTwistingMemory, speed: float, limit: float, p: SuperTwisting) -> float:
-    """V for the ``speed``; ``memory.speed`` is the speed without friction."""
+    """The correction v [V] for the ``speed``; ``memory.speed`` is that without friction."""
     if not memory.started:
         memory.started, memory.speed = True, speed
         memory.sliding = memory.correction = 0.0
