@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,10 +40,15 @@ def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recordi
     drive = Mapping(command=command or EFFORT)
     with Bag(path) as bag:
         types = {c.topic: c.msgtype for c in bag.connections}
+
+        @cache
+        def read(kind: str) -> dict[str, Series]:
+            return read_series(bag, [topic for topic, name in types.items() if name == kind])
+
         if joint is None:
-            _, states = _axis_states(path, bag, types, None, with_effort=False)
+            _, states = _axis_states(path, read, types, None, with_effort=False)
             joint = only_one(path, list(states.joints), "axis", "--joint")
-        topic, states = _axis_states(path, bag, types, joint, drive.command == EFFORT)
+        topic, states = _axis_states(path, read, types, joint, drive.command == EFFORT)
         driven = _command_topic(path, types, topic, drive)
         commands = Series() if driven is None else read_series(bag, [driven])[driven]
     own = states.of_joint(joint)
@@ -59,16 +65,20 @@ def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recordi
 
 
 def _axis_states(
-    path: Path, bag: Bag, types: dict[str, str], joint: str | None, with_effort: bool
+    path: Path,
+    read: Callable[[str], dict[str, Series]],
+    types: dict[str, str],
+    joint: str | None,
+    with_effort: bool,
 ) -> tuple[str, Series]:
     """The topic that has the joint, of the first type that has its effort too; what it holds.
 
-    Without a joint, the topic of joint states.
+    ``read`` reads all topics of a type. Without a joint, the topic of joint states.
     """
     names: dict[str, None] = {}
     holding: dict[str, Series] = {}
     for kind in STATE_TYPES:
-        series = read_series(bag, [topic for topic, name in types.items() if name == kind])
+        series = read(kind)
         names |= {name: None for each in series.values() for name in each.joints}
         of_kind = {t: s for t, s in series.items() if s.joints and joint in (None, *s.joints)}
         usable = {t: s for t, s in of_kind.items() if not with_effort or _has_effort(s, joint)}
