@@ -12,6 +12,7 @@ import furuta
 import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Controller, parse_friction
 from furuta.axis.compensations import residual
+from furuta.axis.joint_file import NEEDED
 from furuta.limit_cycles.joint import JointCycle
 from furuta_ros.parameter_files import read_sections
 
@@ -262,6 +263,8 @@ def test_what_is_no_joint_file_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "joints.yaml"
     joint = "/{0}/friction_observer: {{ros__parameters: {{joint: {0}}}}}\n"
     gains = "/a/controller: {ros__parameters: {pid: [1.0, -2.0, 0.1]}}\n"
+    needed = dict.fromkeys(("axis.inerta", *NEEDED), 1.0)
+    whole = joint.format("a").replace("{joint", f"{{{str(needed)[1:-1]}, joint")
     for text, name, words in (
         ("", None, "is no joint file"),
         ("/a: {ros__parameters: {joint: a}}", None, "is no joint file"),
@@ -269,6 +272,7 @@ def test_what_is_no_joint_file_is_refused(tmp_path: Path) -> None:
         (joint.format("elbow"), "elbo", "no joint elbo; it has elbow"),
         (joint.format("a") + gains, None, "the controller must be pid"),
         (joint.format("a"), None, "joint a has no sample_time, alpha0"),
+        (whole, None, "no parameter axis.inerta; did you mean.* axis.inertia"),
     ):
         path.write_text(text)
         with pytest.raises(furuta.ParameterError, match=words):

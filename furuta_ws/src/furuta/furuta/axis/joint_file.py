@@ -19,11 +19,12 @@ from furuta.axis.axis import Cascade, Controller, Pid
 from furuta.axis.draws import identified_axis, left_out
 from furuta.axis.servo import POLES, observer_parameters, paper_units
 from furuta.identification.axis.identify import AxisFit
+from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER
+from furuta.settings.parameter_names import parameters_in
 from furuta_model.parameters import ParameterError, number_from_text, shortened, values
-from furuta_ros.parameter_files import PARAMETERS, read_sections
+from furuta_ros.parameter_files import PARAMETERS, is_of_ros, read_sections
 from furuta_ros.whole_files import whole_file
 
-OBSERVER, CONTROLLER = "friction_observer", "controller"
 CONTROLLERS: dict[str, type[Pid] | type[Cascade]] = {"pid": Pid, "cascade": Cascade}
 # Found values by their names in a fit. Those of the axis have the prefix ``axis.`` in the file.
 OF_FRICTION = ("alpha0", "alpha1", "stribeck_velocity", "asymmetry")
@@ -101,7 +102,7 @@ def write_joint_file(
         sample_time = float(f"{fit.recordings[0].interval:.4g}")
         written = joint_parameters(fit, joint, sample_time, controller, recommended)
         lines += _about(fit, controller)
-        lines += _section(f"/{space}/{OBSERVER}", written, _comments(fit))
+        lines += _section(f"/{space}/{FRICTION_OBSERVER}", written, _comments(fit))
         if controller is not None:
             name = type(controller).__name__.lower()
             gains = [*controller[:3], *filter(None, controller[3:])]
@@ -164,18 +165,18 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
         joint: Name of the joint; needed if the file has several.
 
     Raises:
-        ParameterError: The file has no such joint, or it is no joint file.
+        ParameterError: The file has no such joint, it is no joint file, or a name is unknown.
     """
     found = {section.key: section.parameters for section in read_sections(Path(path))}
     joints = {
         str(parameters["joint"]): key.rpartition("/")[0]
         for key, parameters in found.items()
-        if key.rpartition("/")[2] == OBSERVER and "joint" in parameters
+        if key.rpartition("/")[2] == FRICTION_OBSERVER and "joint" in parameters
     }
     if not joints:
         raise ParameterError(
-            f"{path} is no joint file: it has no section {OBSERVER} with a joint; `furuta axis "
-            "--save` writes one"
+            f"{path} is no joint file: it has no section {FRICTION_OBSERVER} with a joint; `furuta "
+            "axis --save` writes one"
         )
     listed = ", ".join(joints)
     if joint is None and len(joints) > 1:
@@ -184,11 +185,14 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     if name not in joints:
         raise ParameterError(f"{path} has no joint {shortened(name)[1:-1]}; it has {listed}")
     space = joints[name]
-    parameters = found[f"{space}/{OBSERVER}"]
+    parameters = found[f"{space}/{FRICTION_OBSERVER}"]
     gains = found.get(f"{space}/{CONTROLLER}")
     controller = None if gains is None else _controller(path, gains)
     if missing := [each for each in NEEDED if each not in parameters]:
         raise ParameterError(f"{path}: joint {name} has no {', '.join(missing)}")
+    for each in parameters:
+        if not is_of_ros(each):
+            parameters_in(FRICTION_OBSERVER, each)
     return JointFile(name, parameters, controller)
 
 

@@ -11,14 +11,13 @@ from math import pi
 import numpy as np
 
 from furuta.axis.axis import Controller, Pid
-from furuta.axis.joint_file import OBSERVER, JointFile
+from furuta.axis.joint_file import JointFile
 from furuta.axis.servo import ServoDesign, ServoMemory, design_servo, servo_sample
 from furuta.export.functions import CFunction, Translation
 from furuta.export.loop_files import FLOAT_TOLERANCE, description, parts_of_source, rows, translated
 from furuta.export.structures import initialisation, structures
 from furuta.export.text import comment, filled
 from furuta.export.values import DOUBLE, REAL, Known, Memory, Number, Precision
-from furuta.settings.parameter_names import parameters_in
 from furuta_friction.joint_observer import (
     JointMemory,
     ObserverNodeParameters,
@@ -28,7 +27,6 @@ from furuta_friction.joint_observer import (
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError, build
-from furuta_ros.parameter_files import is_of_ros
 
 PREFIX = "axis_"
 # Of the run that the test compares; its motion is this many turns at this frequency [Hz].
@@ -46,7 +44,11 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
         ParameterError: A parameter is not allowed, or something cannot be exported.
     """
     parameters = build(ObserverNodeParameters, joint.parameters)
-    _check(joint, parameters)
+    if joint.controller is not None and not parameters.axis.inertia:
+        raise ParameterError(
+            f"{joint.joint} has a controller, which takes its speed from the observer: "
+            "axis.inertia must be above 0"
+        )
     design = design_servo(joint.controller or Pid(0.0), parameters)
     whole = Translation(precision, PREFIX)
     memory = Memory(ServoMemory, "memory", "memory->")
@@ -77,18 +79,6 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
         controller=comment(_about(joint.controller)),
     )
     return {"axis.h": header, "axis.c": source, "axis_test.c": _test_program(design, precision)}
-
-
-def _check(joint: JointFile, parameters: ObserverNodeParameters) -> None:
-    """Refuse unknown names, and a controller without a speed."""
-    for name in joint.parameters:
-        if not is_of_ros(name):
-            parameters_in(OBSERVER, name)
-    if joint.controller is not None and not parameters.axis.inertia:
-        raise ParameterError(
-            f"{joint.joint} has a controller, which takes its speed from the observer: "
-            "axis.inertia must be above 0"
-        )
 
 
 def _about(controller: Controller | None) -> str:
