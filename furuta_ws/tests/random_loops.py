@@ -42,7 +42,9 @@ def random_loop(
         seed=int(r.integers(2**40)),
     )
     control = ControllerParameters(
-        integral_time=float(r.choice([0.0, 5.0])), super_twisting=float(r.choice([0.0, 2.0]))
+        integral_time=float(r.choice([0.0, 5.0])),
+        super_twisting=float(r.choice([0.0, 2.0])),
+        strength=float(r.choice([1.0, 0.3])),
     )
     observer = ObserverParameters(compensation=compensation)
     return Loop(plant, EstimatorParameters(method, sensors=sensors), observer, control)

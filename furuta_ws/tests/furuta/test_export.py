@@ -45,7 +45,7 @@ FURTHER: dict[str, dict[str, Any]] = {
     **{name: {"compensation": name} for name in ("none", "coulomb", "stiction", "adaptive")},
     **{name: {"compensation": name} for name in ("disturbance_observer", "combined")},
     "whole_circle": {"method": "whole_circle", "compensation": "lugre"},
-    "super_twisting": {"super_twisting": 20.0, "integral_time": 1.0},
+    "super_twisting": {"super_twisting": 20.0, "integral_time": 1.0, "strength": 0.7},
     "ideal": {"sensors.ideal": True, "compensation": "lugre"},
     "ideal_lowpass": {"sensors.ideal": True, "method": "lowpass", "compensation": "coulomb"},
     "swing_up_once": {**SWING_UP, "compensation": "lugre"},

@@ -209,6 +209,33 @@ def test_integral_action() -> None:
     assert memory["balance"]["integral"] == 0.0
 
 
+@pytest.mark.parametrize("friction", [-0.2, 0.1])
+def test_super_twisting_is_homogeneous(friction: float) -> None:
+    """The strength k gives k v(s/k) from the law, and the gain kC gives the same v."""
+    k, random = 0.3, np.random.default_rng(4)
+    of_strength = ControllerParameters(super_twisting=10.0, strength=k)
+    of_gain = ControllerParameters(super_twisting=10.0 * k)
+    memories, designs = (memory_of(), memory_of()), map(design_controller, (of_strength, of_gain))
+    first, second = zip(memories, designs, strict=True)
+    for x in random.normal(0.0, 0.02, (300, 4)):
+        u = control(first[0], x, friction, first[1])
+        assert u == pytest.approx(control(second[0], x, k * friction, second[1]), abs=1e-9)
+
+
+def test_strength_changes_without_a_jump() -> None:
+    """From the first sample it is the parameter; a change takes time, and 0 is no compensation."""
+    p = ControllerParameters(super_twisting=10.0, super_twisting_bandwidth=80.0, strength=2.0)
+    x = np.array([0.0, 0.1, 0.0, 0.0])
+    none = control(memory_of(), x, 0.0, design_controller(ControllerParameters()))
+    memory, design = memory_of(), design_controller(p)
+    before = [control(memory, x, 0.2, design) for _ in range(300)][-1]
+    assert control(memory_of(), x, 0.2, design) == pytest.approx(none + 0.4, abs=0.02)
+    design = design_controller(p._replace(strength=0.0))
+    series = np.array([before, *(control(memory, x, 0.2, design) for _ in range(1500))])
+    assert np.max(np.abs(np.diff(series))) < 0.02 * abs(before - none)
+    assert series[-1] == pytest.approx(none, abs=1e-6)
+
+
 def test_super_twisting_finds_a_constant_friction() -> None:
     """On the linear model with exact states it becomes the friction within a second."""
     friction = -0.2

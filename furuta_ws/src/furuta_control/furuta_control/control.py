@@ -104,6 +104,16 @@ class ControllerParameters(NamedTuple):
     integral_time: Annotated[
         float, About("integral time of the arm's error, 0 for no integral action", "s", 0.0, 1e4)
     ] = 0.0
+    strength: Annotated[
+        float,
+        About(
+            "scale of the whole compensation, friction estimate and super-twisting: 0 for none, 1 "
+            "as designed; lower it if the compensation shakes the arm, as with a late drive",
+            "",
+            0.0,
+            4.0,
+        ),
+    ] = 1.0
     super_twisting: Annotated[
         float,
         About("super-twisting: gain, the largest rate of friction, 0 for off", "V/s", 0.0, 1e4),
@@ -224,6 +234,7 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
     if not p.feedback:
         balance.leave(memory.balance)
         _reset_parts(memory)
+    friction = balance.scaled(memory.balance, friction, p.balance)
     u = _mode_command(p.mode, memory, x, friction, p)
     if np.isnan(u) or not p.enabled:
         return 0.0

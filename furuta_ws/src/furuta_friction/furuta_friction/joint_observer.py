@@ -232,7 +232,7 @@ def joint_friction(
     memory.friction = estimate_friction(memory.compensation, x, p.compensation)
     if p.twisting.rate_bound > 0.0:
         memory.friction += super_twisting.twist(
-            memory.twisting, own, p.model.largest_correction, p.twisting
+            memory.twisting, own, 1.0, p.model.largest_correction, p.twisting
         )
     return memory.friction
 

@@ -13,6 +13,10 @@ A bandwidth k [1/s] limits the gain of s: within the layer |s| < 2.25 C/k² both
 passes a low-pass filter with the rate 3k. Between motor and arm a belt turns the phase by half a
 turn, and without the filter the correction would drive its vibration. A vibration that is sustained
 nevertheless reduces k (:mod:`furuta_friction.vibration`).
+
+The law is homogeneous: C times a strength gives the correction for s divided by the strength, times
+the strength. It is computed so. The integral is then scaled as well, and nothing jumps where the
+strength changes slowly.
 """
 
 from dataclasses import dataclass, field
@@ -45,7 +49,10 @@ NO_LAYER = 1e-300
 
 @dataclass
 class SuperTwistingMemory:
-    """Whether it has started, the arm's speed without friction [rad/s], s [V s] and w [V]."""
+    """Whether it has started, the arm's speed without friction [rad/s], s [V s] and w [V].
+
+    s and w are those for C alone.
+    """
 
     started: bool = False
     speed: float = 0.0
@@ -116,27 +123,37 @@ def design(
 
 @inlined
 def correction(
-    memory: SuperTwistingMemory, x: np.ndarray, error: float, limit: float, p: SuperTwisting
+    memory: SuperTwistingMemory,
+    x: np.ndarray,
+    error: float,
+    strength: float,
+    limit: float,
+    p: SuperTwisting,
 ) -> float:
-    """The correction v [V] for state ``x`` and arm error [rad]; |w| ≤ ``limit`` [V]."""
-    v = twist(memory, x[PHI_DOT], limit, p)
+    """The correction v [V] for state ``x`` and arm error [rad], with C times ``strength`` > 0.
+
+    The integral is at most ``limit`` [V] times ``strength``.
+    """
+    v = twist(memory, x[PHI_DOT], strength, limit, p)
     acceleration = p.a1 * error + p.a2 * x[PHI_DOT] + p.a3 * x[THETA] + p.a4 * x[THETA_DOT]
     memory.speed += p.dt * acceleration
     return v
 
 
 @inlined
-def twist(memory: SuperTwistingMemory, speed: float, limit: float, p: SuperTwisting) -> float:
+def twist(
+    memory: SuperTwistingMemory, speed: float, strength: float, limit: float, p: SuperTwisting
+) -> float:
     """The correction v [V] for the ``speed``; ``memory.speed`` is that without friction."""
     if not memory.started:
         memory.started, memory.speed = True, speed
         memory.sliding = memory.correction = 0.0
         memory.vibration.part = p.first_part
-    memory.sliding += p.share * ((speed - memory.speed) / p.b - memory.sliding)
+    memory.sliding += p.share * ((speed - memory.speed) / (p.b * strength) - memory.sliding)
     s = memory.sliding
     linear = min(abs(s) / p.layer, 1.0)
     root = copysign(ROOT * sqrt(p.rate_bound * abs(s) * linear), s)
-    part = part_without_vibration(memory.vibration, root, p.vibration)
+    part = part_without_vibration(memory.vibration, strength * root, p.vibration)
     w = memory.correction - copysign(INTEGRAL * p.rate_bound * p.dt * linear, s) * part * part
     memory.correction = min(max(w, -limit), limit)
-    return memory.correction - root * part
+    return strength * (memory.correction - root * part)

@@ -134,6 +134,7 @@ def continue_balancing(
     memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign
 ) -> float:
     """:func:`furuta_control.control.control` for balancing that continues."""
+    friction = balance.scaled(memory.balance, friction, p.balance)
     return limited(balance.command(memory.balance, x, friction, p.balance), p)
 
 

@@ -10,11 +10,12 @@ The scan of the paper has a minus in (8), which would double the friction.
 The arm's error φ − reference is limited before it is fed back. An arm that is far away then returns
 at a limited speed, and the pendulum keeps enough of the voltage. For any gain on the error between
 0 and L₁ the loop with the paper's gain is stable. Two rivals of friction compensation are options:
-integral action on that error, and :mod:`furuta_friction.super_twisting`.
+integral action on that error, and :mod:`furuta_friction.super_twisting` with the correction v. The
+strength k scales the whole compensation, u = −Lx + k(F̂ + v).
 """
 
 from dataclasses import dataclass, field
-from math import ceil
+from math import ceil, expm1
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -30,6 +31,10 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
 # type of an empty list, and not four zeros, because these are a gain.
 POLE_PLACEMENT = (0.0,)
+# Time constant with which the strength follows its parameter [s], so that u does not jump.
+STRENGTH_TIME = 0.1
+# Strength before the first sample, and that below which super-twisting rests.
+UNKNOWN, LEAST_STRENGTH = -1.0, 1e-3
 
 
 @dataclass
@@ -41,6 +46,7 @@ class BalanceMemory:
         fallen: Whether it has fallen and not been caught since.
         ready: Samples for which it has been ready to be caught.
         integral: Integral of the arm's error over the integral time [rad].
+        strength: The strength that acts.
         super_twisting: Memory of super-twisting.
     """
 
@@ -48,6 +54,7 @@ class BalanceMemory:
     fallen: bool = False
     ready: int = 0
     integral: float = 0.0
+    strength: float = UNKNOWN
     super_twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
 
 
@@ -56,6 +63,7 @@ class Balance(NamedTuple):
 
     Angles [rad], speeds [rad/s], number of samples. ``integral_share`` is the sample time over the
     integral time, 0 without integral action; ``voltage_limit`` [V] is that of the command.
+    ``strength_share`` is the part of a change of the strength that a sample makes.
     """
 
     l1: float
@@ -71,6 +79,8 @@ class Balance(NamedTuple):
     arm_reference: float
     arm_error_limit: float
     integral_share: Annotated[float, OFF_AT_ZERO]
+    strength: float
+    strength_share: float
     super_twisting: SuperTwisting
     voltage_limit: float
 
@@ -93,6 +103,8 @@ def design(p: Any) -> Balance:
         arm_reference=p.arm_reference,
         arm_error_limit=p.arm_error_limit,
         integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
+        strength=p.strength,
+        strength_share=-expm1(-p.sample_time / STRENGTH_TIME),
         super_twisting=super_twisting.design_for_pendulum(
             p.super_twisting,
             p.super_twisting_bandwidth,
@@ -167,17 +179,28 @@ def forget_integrals(memory: BalanceMemory) -> None:
 
 
 @inlined
+def scaled(memory: BalanceMemory, friction: float, p: Balance) -> float:
+    """The friction estimate [V] times the strength that acts in this sample."""
+    if memory.strength == UNKNOWN:
+        memory.strength = p.strength
+    memory.strength += p.strength_share * (p.strength - memory.strength)
+    return memory.strength * friction
+
+
+@inlined
 def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
-    """Command u [V], unsaturated, for the state estimate ``x`` and friction estimate [V]."""
+    """Command u [V], unsaturated, for state estimate ``x`` and :func:`scaled` ``friction`` [V]."""
     error = min(max(x[PHI] - p.arm_reference, -p.arm_error_limit), p.arm_error_limit)
     u = friction - p.l1 * error - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
     if p.integral_share > 0.0:
         integral = memory.integral + p.integral_share * error
         memory.integral = min(max(integral, -p.arm_error_limit), p.arm_error_limit)
         u -= p.l1 * memory.integral
-    if p.super_twisting.rate_bound > 0.0:
+    if memory.strength < LEAST_STRENGTH:
+        memory.super_twisting.started = False
+    elif p.super_twisting.rate_bound > 0.0:
         u += super_twisting.correction(
-            memory.super_twisting, x, error, p.voltage_limit, p.super_twisting
+            memory.super_twisting, x, error, memory.strength, p.voltage_limit, p.super_twisting
         )
     return u
 
