@@ -16,10 +16,11 @@ import furuta
 RIG = {"plant.friction.asymmetry": 0.05}  # the motor's friction differs by direction
 LABELS = ("arm φ [rad]", "control u [V]", "friction [V]")
 lugre = furuta.make_loop(RIG | {"compensation": "lugre"})
+tuned = furuta.tune(furuta.make_loop(RIG), compensations=["lugre"], enough=0.25)
 loops = {
     "Fig. 7: Coulomb": furuta.make_loop(RIG | {"compensation": "coulomb"}),
     "Fig. 8: LuGre": lugre,
-    "Fig. 9: LuGre, tuned": lugre._replace(observer=furuta.tune(lugre).after.observer),
+    "Fig. 9: LuGre, tuned": lugre._replace(observer=tuned.after.compensation.observer),
 }
 figure, axes = plt.subplots(3, 3, figsize=(12, 7), sharex=True, sharey="row", layout="constrained")
 for column, (title, loop) in zip(axes.T, loops.items(), strict=True):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -18,6 +18,7 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import Part, checked_loop, ideal_loop, with_parts
 from furuta.outcomes import Outcome, outcome
+from furuta.studies.tuning_plan import COMPENSATIONS, TuningPlan
 from furuta.transfer import joint_transfer, transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -26,7 +27,7 @@ from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Record
 
 if TYPE_CHECKING:
-    from furuta.studies.tuning.plan import TuningResult
+    from furuta.studies.tuning import TuningResult
 
 
 def simulate(loop: Loop | None = None, seconds: float = 60.0, **parts: Part | None) -> Record:
@@ -222,30 +223,33 @@ def prediction_report(loop: IdealLoop, prediction: Prediction) -> dict[str, Any]
 
 def tune(
     loop: Loop | None = None,
-    seconds: float = 240.0,
+    seconds: float = 120.0,
     report: Callable[[str, float], None] | None = None,
+    compensations: Iterable[str] = COMPENSATIONS,
+    enough: float = 1.0,
 ) -> TuningResult:
-    """Find the compensation with the smallest remaining limit cycle, by simulation.
+    """Find the compensation with the smallest swing of the arm, by simulation.
 
     Args:
         loop: The loop; by default that of the paper. Its plant is the truth, which the tuning sees
             only through the estimates.
-        seconds: Total simulated time [s].
+        seconds: Longest simulated time [s].
         report: Called with a message and the simulated time [s]; by default nothing is reported.
+        compensations: Those that are tried: recommended, stiction, coulomb, lugre.
+        enough: Swing that ends the search, in counts of the encoder.
 
     Returns:
-        The best trial ``after``, with its ``observer`` parameters and the arm's peak to peak
-        ``amplitude`` [rad]; the trials ``before`` and ``uncompensated``; whether there is a
-        ``gain``.
+        The trials ``before`` and ``after``, each with its ``compensation`` (parameters of friction
+        observer and controller) and the arm's ``swing`` [rad]; all ``trials``; the ``parameters``
+        that changed, by node; whether there is a ``gain``.
 
     Raises:
-        ParameterError: The time is too short, or the loop cannot be tuned.
+        ParameterError: The time is too short, a compensation is unknown, or the pendulum falls.
     """
-    from furuta.studies.tuning.plan import SIMULATED
-    from furuta.studies.tuning.tuning import tune_simulated
+    from furuta.studies.tuning import tune_simulated
 
     check_seconds(seconds)
-    plan = SIMULATED._replace(seconds=seconds, rivals=True)
+    plan = TuningPlan(seconds, compensations=tuple(compensations), enough=enough)
     return tune_simulated(checked_loop(loop), plan, report or (lambda message, seconds: None))
 
 

@@ -11,16 +11,15 @@ from typing import Any
 
 from rclpy.node import Node
 
-from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER
-from furuta.settings.recommended import CONTROLLER_NAMES, RECOMMENDED
+from furuta.settings.nodes import FRICTION_OBSERVER
+from furuta.settings.recommended import RECOMMENDED, RECOMMENDED_NAMES
 from furuta.settings.settings import Settings, settings_with
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
-from furuta.studies.tuning.plan import observer_parameters
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.parameter_files import settings_file
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.parameters import build
+from furuta_model.parameters import build, values
 from furuta_recordings.recorder_node import RecorderNode
 
 
@@ -57,6 +56,11 @@ def run_demo(
         graph.close()
 
 
+def settable(observer: ObserverParameters) -> dict[str, Any]:
+    """The friction observer's parameters that can be set while it runs."""
+    return {name: value for name, value in values(observer).items() if name != "sample_time"}
+
+
 def _changes(
     compensation: str, tuned: Callable[[], dict[str, Any]], settings: Settings
 ) -> dict[str, dict[str, Any]]:
@@ -67,7 +71,8 @@ def _changes(
         return {FRICTION_OBSERVER: {"compensation": compensation}}
     chosen = settings_with(settings, [("compensation", RECOMMENDED)])
     observer = build(ObserverParameters, chosen[FRICTION_OBSERVER])
-    return {
-        FRICTION_OBSERVER: observer_parameters(observer),
-        CONTROLLER: {name: chosen[CONTROLLER][name] for name in CONTROLLER_NAMES},
-    }
+    changes = {FRICTION_OBSERVER: settable(observer)}
+    for full_name in RECOMMENDED_NAMES:
+        of, _, name = full_name.partition(".")
+        changes.setdefault(of, {})[name] = chosen[of][name]
+    return changes

@@ -1,4 +1,4 @@
-"""A client of a running graph for tuning: it reads the estimates and sets the friction observer."""
+"""A client of a running graph for tuning: it reads the estimates and sets the compensation."""
 
 from collections import deque
 from collections.abc import Callable
@@ -9,10 +9,11 @@ import numpy as np
 from rclpy.executors import Executor
 from rclpy.node import Node
 
-from furuta.settings.nodes import ESTIMATOR, FRICTION_OBSERVER, NODES
+from furuta.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES
+from furuta.studies.tuning import Compensation
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
-from furuta_model.parameters import build, declared, values
+from furuta_model.parameters import build, declared
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_joint_state
 from furuta_ros.spinning import SPIN_TIMEOUT
@@ -42,7 +43,7 @@ class EstimateBuffer:
 
 
 class TuningClient:
-    """Reads ``joint_states`` and sets parameters of the friction observer, as a user would.
+    """Reads ``joint_states`` and sets friction observer and controller, as a user would.
 
     ``stop`` is called while :meth:`watch` waits; once it returns true, :meth:`watch` raises
     :class:`TuningInterruptedError`. :meth:`apply` still works then, to restore parameters.
@@ -60,16 +61,15 @@ class TuningClient:
         self._stop = stop
         self._waiting = estimates.waiting
         self.estimator = self._read(ESTIMATOR)
-        self.observer = self._read(FRICTION_OBSERVER)
-        self._applied = values(self.observer)
+        observer, controller = self._read(FRICTION_OBSERVER).observer, self._read(CONTROLLER)
+        self.compensation = Compensation(observer, controller)
 
-    def apply(self, observer: Any) -> None:
-        """Set the parameters that differ, all or none, and drop earlier estimates."""
-        new = values(observer)
-        changes = {name: value for name, value in new.items() if value != self._applied[name]}
-        if changes:
-            self.client.set_all(FRICTION_OBSERVER, changes)
-            self._applied = new
+    def apply(self, compensation: Compensation) -> None:
+        """Set the parameters that differ, node by node, and drop earlier estimates."""
+        for node, changes in compensation.changes(self.compensation).items():
+            if changes:
+                self.client.set_all(node, changes)
+        self.compensation = compensation
         self._waiting.clear()
 
     def watch(self, seconds: float) -> np.ndarray:

@@ -52,6 +52,11 @@ class Sensors(NamedTuple):
     ] = pi / 2 / 4096
 
     @property
+    def encoder_count(self) -> float:
+        """One count of the arm's encoder [rad], 0 without quantisation."""
+        return 2.0 * pi / self.encoder_counts if self.encoder_counts else 0.0
+
+    @property
     def variances(self) -> tuple[float, float, float]:
         """Variance of a reading of φ [rad²], φ̇ [rad²/s²] and θ [rad²], rounding included."""
         tachometer_step = step_size(self.tachometer_range, self.tachometer_bits)

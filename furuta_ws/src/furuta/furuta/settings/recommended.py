@@ -1,26 +1,62 @@
-"""The recommended compensation, ``compensation=recommended``: settings of two nodes from a model.
+"""The recommended compensation, ``compensation=recommended``: settings of three nodes for a rig.
 
 It is the LuGre observer with super-twisting of limited bandwidth on top. Where the model of the
 observer is right no fast correction is needed, and where it is wrong super-twisting corrects it.
-The bounds follow from the highest friction level and the sample time.
+Its bounds follow from the highest friction level and the sample time.
+
+What a late drive leaves is chatter, which is proportional to the strength. So this setting is
+simulated on the rig as the settings describe it, with friction that truly sticks; its level, and
+the delay of the drive, are wrong by half. If the arm swings by more than a count in any of these
+cases, strength, poles, process noise and bandwidth are chosen for the least swing in the worst one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator
+from functools import lru_cache
+from math import inf, pi
 from typing import Any
 
+import numpy as np
+
+from furuta.pole_choice import quadratic_poles
+from furuta_control.control import ControllerParameters
+from furuta_control.excitation import ExcitationParameters
+from furuta_control.modes.balance import POLE_PLACEMENT
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.lugre import highest_level
-from furuta_model.parameters import build
+from furuta_model.parameters import values
+from furuta_model.state import PHI, THETA
+from furuta_sim.parameters import InitialState, PlantFriction
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 RECOMMENDED = "recommended"
-# What it sets of the controller.
-CONTROLLER_NAMES = ("super_twisting", "super_twisting_bandwidth", "vibration_limit")
+# What it sets beside the compensation.
+RECOMMENDED_NAMES = (
+    "controller.strength",
+    "controller.super_twisting",
+    "controller.super_twisting_bandwidth",
+    "controller.vibration_limit",
+    "controller.omega1",
+    "controller.zeta1",
+    "controller.omega2",
+    "controller.zeta2",
+    "estimator.friction_process_noise",
+    "estimator.pendulum_process_noise",
+)
 # Rate at which friction may change and vibration that is accepted, relative to its highest level
 # [1/s, 1]. On the paper's rig C is 10 V/s and the limit 0.4 V.
 RATE, VIBRATION = 43.0, 1.7
 # Bandwidth [1/s]: between those at which a belt of 50 Hz vibrates and friction moves the arm by a
 # count of the encoder; at most this per sample.
 BANDWIDTH, LARGEST_STEP = 80.0, 0.1
+# Factors on the strength, on each process noise, and on the bandwidth that are tried.
+STRENGTHS, NOISES, BANDWIDTHS = (0.7, 0.4, 0.2, 0.1, 0.05, 1.4), (0.33, 3.0), (0.5, 2.0)
+KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
+# The cases: level of friction and delay of the drive, relative to what is described; time [s].
+CASES = (1.0, 1.0), (1.5, 1.5), (0.5, 1.5), (1.0, 1.5), (1.5, 0.5)
+SECONDS = 16.0
+HORIZONTAL = pi / 2  # [rad]; beyond it the pendulum has fallen
+# Part of the least swing so far that another setting must not exceed.
+BETTER = 0.9
 
 
 def is_recommended(name: str, value: Any) -> bool:
@@ -28,13 +64,105 @@ def is_recommended(name: str, value: Any) -> bool:
     return value == RECOMMENDED and name in ("compensation", "friction_observer.compensation")
 
 
-def recommended_values(settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """Values by full name, from the friction model of the ``settings``."""
-    p = build(ObserverParameters, settings["friction_observer"])
-    level = float(highest_level(p.friction))
-    numbers = RATE * level, min(BANDWIDTH, LARGEST_STEP / p.sample_time), VIBRATION * level
-    controller = zip(CONTROLLER_NAMES, numbers, strict=True)
+def recommended_values(loop: Loop) -> dict[str, Any]:
+    """Values by full name for the rig that the ``loop`` describes."""
+    chosen = _chosen(_as_described(loop))
+    found = {**values(chosen.controller, "controller."), **values(chosen.estimator, "estimator.")}
     return {
         "friction_observer.compensation": "lugre",
-        **{f"controller.{name}": value for name, value in controller},
+        **{name: found[name] for name in RECOMMENDED_NAMES},
     }
+
+
+def with_super_twisting(
+    controller: ControllerParameters, observer: ObserverParameters
+) -> ControllerParameters:
+    """The controller with super-twisting for the friction model and sample time of the observer."""
+    level = float(highest_level(observer.friction))
+    return controller._replace(
+        strength=1.0,
+        super_twisting=RATE * level,
+        super_twisting_bandwidth=min(BANDWIDTH, LARGEST_STEP / observer.sample_time),
+        vibration_limit=VIBRATION * level,
+    )
+
+
+def _as_described(loop: Loop) -> Loop:
+    """The standard setting on the upright rig, whose true friction is that of the model."""
+    plant, observer = loop.plant, loop.observer._replace(compensation="lugre")
+    known = observer.friction._replace(viscous=plant.friction.parameters.viscous)
+    return loop._replace(
+        plant=plant._replace(friction=PlantFriction("stiction", known), initial=InitialState()),
+        observer=observer,
+        controller=with_super_twisting(loop.controller, observer)._replace(
+            mode="balance", enabled=True, excitation=ExcitationParameters()
+        ),
+    )
+
+
+@lru_cache
+def _chosen(standard: Loop) -> Loop:
+    """The standard setting, or one that swings less in the worst case."""
+    count = standard.plant.sensors.encoder_count
+    best, least = standard, _worst_swing(standard, inf)
+    for variants in (_strengths, _poles, _noises, _bandwidths, _strengths):
+        for other in variants(best) if least > count else ():
+            swing = _worst_swing(other, BETTER * least)
+            if swing < BETTER * least:
+                best, least = other, swing
+    return best
+
+
+def _strengths(loop: Loop) -> Iterator[Loop]:
+    for factor in STRENGTHS:
+        strength = factor * loop.controller.strength
+        yield loop._replace(controller=loop.controller._replace(strength=strength))
+
+
+def _poles(loop: Loop) -> Iterator[Loop]:
+    controller = loop.controller
+    if controller.gain == POLE_PLACEMENT:
+        poles = quadratic_poles(
+            controller.model, controller.model_viscous, controller.voltage_limit
+        )
+        yield loop._replace(controller=controller._replace(poles=poles))
+
+
+def _noises(loop: Loop) -> Iterator[Loop]:
+    estimator = loop.estimator
+    for name in KALMAN_NOISES:
+        for factor in NOISES:
+            kalman = estimator.parts.kalman
+            kalman = kalman._replace(**{name: factor * getattr(kalman, name)})
+            parts = estimator.parts._replace(kalman=kalman)
+            yield loop._replace(estimator=estimator._replace(parts=parts))
+
+
+def _bandwidths(loop: Loop) -> Iterator[Loop]:
+    for factor in BANDWIDTHS:
+        bandwidth = factor * loop.controller.super_twisting_bandwidth
+        controller = loop.controller._replace(super_twisting_bandwidth=bandwidth)
+        yield loop._replace(controller=controller)
+
+
+def _worst_swing(loop: Loop, enough: float) -> float:
+    """The largest swing of the cases [rad], or one beyond ``enough``."""
+    worst = 0.0
+    for level, delay in CASES:
+        run = simulate(_case(loop, level, delay), SECONDS)
+        settled = run.state[len(run.state) // 2 :]
+        fell = np.max(np.abs(settled[:, THETA])) > HORIZONTAL
+        worst = max(worst, inf if fell else float(np.ptp(settled[:, PHI])))
+        if worst > enough:
+            break
+    return worst
+
+
+def _case(loop: Loop, level: float, delay: float) -> Loop:
+    """The rig with other levels of friction and another delay than described."""
+    plant = loop.plant
+    known, drive = plant.friction.parameters, plant.drive
+    true = known._replace(alpha0=level * known.alpha0, alpha1=level * known.alpha1)
+    late = drive._replace(delay=round(delay * drive.delay), lag=delay * drive.lag)
+    friction = plant.friction._replace(parameters=true)
+    return loop._replace(plant=plant._replace(friction=friction, drive=late))

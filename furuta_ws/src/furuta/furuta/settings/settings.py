@@ -109,12 +109,16 @@ def parse_assignment(text: str) -> tuple[str, Any]:
 def settings_with(settings: Settings, given: Iterable[tuple[str, Any]]) -> Settings:
     """Settings with further values, each by a name as on the command line."""
     changed = merge_settings(settings, default_settings())
-    for name, value in given:
-        if is_recommended(name, value):
-            changed = settings_with(changed, recommended_values(changed).items())
-            continue
+    given = list(given)
+    asked = [number for number, item in enumerate(given) if is_recommended(*item)]
+    last = asked[-1] if asked else -1
+    # The recommended setting follows from all others, and those that come after it prevail.
+    for name, value in [item for item in given if not is_recommended(*item)]:
         for match in parameters_named(name):
             changed[match.node][match.parameter.name] = match.parameter.parsed(value)
+    if asked:
+        chosen = recommended_values(_loop(parameters_of(changed)))
+        changed = settings_with(changed, [*chosen.items(), *given[last + 1 :]])
     return changed
 
 

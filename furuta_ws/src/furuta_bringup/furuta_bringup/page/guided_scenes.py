@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from furuta.settings.nodes import CONTROLLER
-from furuta.settings.recommended import CONTROLLER_NAMES, is_recommended, recommended_values
+from furuta.settings.nodes import NODES
+from furuta.settings.recommended import RECOMMENDED_NAMES, is_recommended, recommended_values
+from furuta.settings.settings import loop
 from furuta_ros.yaml_files import parse_yaml
 
 FILE = "guided_scenes.yaml"
@@ -45,8 +46,7 @@ def guided_steps() -> list[Step]:
 def names_of(steps: list[Step]) -> list[str]:
     """Full names of all parameters that the steps change."""
     own = {name for step in steps for name in (*step.settings, *step.times)}
-    recommended = {f"{CONTROLLER}.{name}" for name in CONTROLLER_NAMES}
-    return sorted(own | recommended)
+    return sorted(own.union(RECOMMENDED_NAMES))
 
 
 def values_of(names: list[str], values: Values) -> dict[str, Any] | None:
@@ -62,7 +62,8 @@ def step_values(step: Step, before: Mapping[str, Any], values: Values) -> dict[s
     scaled = {name: factor * before[name] for name, factor in step.times.items()}
     new = dict(before) | dict(step.settings) | scaled
     if any(is_recommended(*item) for item in step.settings.items()):
-        new |= recommended_values(values)
+        rig = by_node(before)
+        new |= recommended_values(loop({n: {**values.get(n, {}), **rig.get(n, {})} for n in NODES}))
     return new
 
 

@@ -7,13 +7,14 @@ from typing import Any
 
 import click
 
-from furuta.studies.tuning.plan import TuningPlan, search_method
+from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_ros.whole_files import whole_file
 
-PLAN = TuningPlan()
+# The paper's tuned LuGre compensation.
+PLAN = TuningPlan(compensations=("lugre",), enough=0.25)
 TITLE = "limit cycle, peak to peak, last three quarters of each phase"
 HEADINGS = {
     "compensation": "compensation",
@@ -62,7 +63,7 @@ def command(
         print_json(summary)
     else:
         print_table(TITLE, summary["runs"], HEADINGS)
-        show({name: summary[name] for name in ("search", "figure", "bag")}, as_json)
+        show({name: summary[name] for name in ("figure", "bag")}, as_json)
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
@@ -98,7 +99,6 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     return {
         "runs": evaluate(phases, recorded),
         "tuned_parameters": tuning.result(),
-        "search": search_method(),
         "figure": str(figure),
         "bag": str(bag),
     }
@@ -106,12 +106,11 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
 def _tuned(settings: Any) -> dict[str, Any]:
     from furuta.settings.settings import loop
-    from furuta.studies.tuning.plan import observer_parameters
-    from furuta.studies.tuning.tuning import tune_simulated
-    from furuta_bringup.demo_run import in_lockstep
+    from furuta.studies.tuning import tune_simulated
+    from furuta_bringup.demo_run import in_lockstep, settable
 
     result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
-    return observer_parameters(result.after.observer)
+    return settable(result.after.compensation.observer)
 
 
 def _check(bag: Path) -> None:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from furuta.studies.tuning.plan import TuningPlan, TuningResult
-from furuta_bringup.option_types import PATH, FiniteRange
+from furuta.studies.tuning_plan import TuningPlan
+from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
 from furuta_bringup.options import (
     SIMULATED_SECONDS,
     joined_node,
@@ -23,10 +23,9 @@ from furuta_ros.errors import UserError
 from furuta_ros.whole_files import whole_file
 
 if TYPE_CHECKING:
-    from furuta.studies.tuning.tuning import ProgressCallback
+    from furuta.studies.tuning import ProgressCallback, TuningResult
 
-# Each of the other compensations takes a trial of 12 s more.
-DEFAULT = TuningPlan(seconds=240.0, rivals=True)
+DEFAULT = TuningPlan()
 GUARD = FiniteRange(0, min_open=True)
 
 
@@ -41,7 +40,14 @@ GUARD = FiniteRange(0, min_open=True)
     "--seconds",
     type=SIMULATED_SECONDS,
     default=DEFAULT.seconds,
-    help="Total time of all trials [s].",
+    help="Longest pendulum time of all trials [s].",
+)
+@option(
+    "--follow",
+    type=FiniteRange(0),
+    default=0.0,
+    help="Watch the swing of the running graph for this pendulum time [s] after that, and search "
+    "the strength again whenever it has grown.",
 )
 @option(
     "--arm-guard",
@@ -56,61 +62,70 @@ GUARD = FiniteRange(0, min_open=True)
     help="Largest angle of the pendulum [rad].",
 )
 @option("--out", type=PATH, metavar="FILE.yaml", help="Write the parameters to a parameter file.")
+@option("--figure", type=FIGURE, help="Draw the swing over the scale of each compensation.")
 @model_options
 @json_option
 def command(
     running: bool,
     namespace: str,
     seconds: float,
+    follow: float,
     arm_guard: float,
     pendulum_guard: float,
     out: Path | None,
+    figure: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Find the compensation with the smallest remaining limit cycle.
+    """Find the compensation with the smallest swing of the arm.
 
-    The pendulum first swings without compensation, and the friction parameters are fitted to the
-    friction that the estimator observes. Then trials optimise sigma1 of the LuGre compensator, and
-    the other compensations are tried with the fitted friction. If the initial parameters or no
-    compensation are better than all of these, they are the result. "gain" is then false in the
-    JSON, and the exit status is still 0. On a running graph the result stays active. The initial
-    parameters are restored if the motion leaves the guard, or at Ctrl-C.
+    The recommended setting is tried with other strengths, until the arm swings by at most one count
+    of its encoder. If that is not enough, Coulomb, stiction and LuGre compensation are tried with
+    the observed friction. Where the swing grows, the best setting so far is restored at once. If
+    nothing is better than the motion as it was, nothing changes; "gain" is then false in the JSON,
+    and the exit status is still 0. On a running graph the result stays active. Ctrl-C restores the
+    initial parameters.
     """
     from furuta.settings.settings import load_settings, loop
-    from furuta.studies.tuning.tuning import tune_simulated
+    from furuta.studies.tuning import tune_simulated
 
     plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
         raise ParameterError("--running cannot be combined with --rig, --params or --set")
-    if namespace and not running:
-        raise ParameterError("--namespace needs --running")
+    if (namespace or follow) and not running:
+        raise ParameterError(f"--{'namespace' if namespace else 'follow'} needs --running")
     report = _reporter(quiet=as_json)
     if running:
-        result = _tune_running(plan, namespace, report)
+        result = _tune_running(plan, namespace, report, follow)
     else:
         result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
     tuned = result.as_json()
     if out is not None:
         import yaml
 
-        file = {"friction_observer": {"ros__parameters": tuned["parameters"]}}
+        file = {node: {"ros__parameters": of} for node, of in tuned["parameters"].items() if of}
         with whole_file(out) as new:
             new.write_text(yaml.safe_dump(file, sort_keys=False))
+    if figure is not None:
+        from furuta.figures.tuning import draw_tuning
+
+        draw_tuning(result, figure)
     if as_json:
         print_json(tuned)
         return
-    motions = ("before", "uncompensated", "after")
-    show({f"{name} [rad]": getattr(result, name).amplitude for name in motions}, as_json)
-    about = {"pendulum time [s]": result.seconds, "search": tuned["search"]}
-    show({**tuned["parameters"], **about}, as_json)
+    print(f"before  {result.before}\nafter   {result.after}")
+    show(
+        {f"{n}.{name}": v for n, of in tuned["parameters"].items() for name, v in of.items()}, False
+    )
     if not result.gain:
-        print(f"no gain: nothing is better than {result.after.observer.compensation} as it was")
+        print("no gain: nothing is better than the setting as it was")
 
 
-def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) -> TuningResult:
-    from furuta.studies.tuning.tuning import tune
+def _tune_running(
+    plan: TuningPlan, namespace: str, report: ProgressCallback, follow: float
+) -> TuningResult:
+    from furuta.studies.tuning import tune
     from furuta_bringup.graph.parameter_client import ParameterClient
     from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
     from furuta_ros.process_end import StopSignal
@@ -119,7 +134,7 @@ def _tune_running(plan: TuningPlan, namespace: str, report: ProgressCallback) ->
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
         client = TuningClient(parameter_client, estimates, executor, StopSignal())
         try:
-            return tune(client, client.observer, client.estimator, plan, report)
+            return tune(client, client.compensation, client.estimator, plan, report, follow)
         except TuningInterruptedError:
             raise UserError("interrupted; the initial parameters are restored") from None
 

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from furuta.identification.model import Model
-from furuta.identification.result.pole_choice import quadratic_poles
 from furuta.identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
 from furuta.identification.uncertainty.identifiability import undetermined
+from furuta.pole_choice import quadratic_poles
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text

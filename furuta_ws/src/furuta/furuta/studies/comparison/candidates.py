@@ -9,7 +9,13 @@ from typing import Any, NamedTuple
 
 from furuta.settings.parameter_names import Match, parameters_named
 from furuta.settings.recommended import RECOMMENDED, recommended_values
-from furuta.settings.settings import Settings, default_settings, load_settings, merge_settings
+from furuta.settings.settings import (
+    Settings,
+    default_settings,
+    load_settings,
+    loop,
+    merge_settings,
+)
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import ParameterError
 from furuta_ros.yaml_files import parse_yaml
@@ -76,7 +82,7 @@ def _parse(text: str, settings: Settings) -> Candidate:
     name, separator, rest = text.partition("=")
     name = name.strip()
     if not separator and name in STANDARD:
-        recommended = recommended_values(settings) if name == RECOMMENDED else {}
+        recommended = recommended_values(loop(settings)) if name == RECOMMENDED else {}
         return Candidate(name, STANDARD[name] | recommended)
     if not name or not rest.strip():
         raise ParameterError(

@@ -3,7 +3,7 @@
 from array import array
 from collections import deque
 from collections.abc import Iterable, Iterator
-from math import inf, pi
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -152,5 +152,4 @@ def residual(run: Outcome) -> float:
 
 def encoder_resolution(loop: Loop) -> float:
     """One count of the arm's encoder [rad], 0 without quantisation."""
-    counts = loop.plant.sensors.encoder_counts
-    return 2 * pi / counts if counts else 0.0
+    return loop.plant.sensors.encoder_count

@@ -6,7 +6,6 @@ would cancel its damping. The regulator keeps stable poles where they are. Its d
 """
 
 import numpy as np
-from scipy.linalg import solve_continuous_are
 
 from furuta_model.linear import DesiredPoles, linearize
 from furuta_model.pendulum import FurutaPendulum
@@ -23,6 +22,8 @@ def quadratic_poles(model: FurutaPendulum, viscous: float, voltage: float) -> De
 
     ``voltage`` [V] is the largest one of the drive, ``viscous`` is in [V s/rad].
     """
+    from scipy.linalg import solve_continuous_are  # slow
+
     a, b = linearize(model, viscous)
     weight = np.zeros((RIGID_STATES, RIGID_STATES))
     weight[PHI, PHI] = (voltage / FULL_VOLTAGE_ERROR) ** 2

@@ -1,0 +1,431 @@
+"""Tuning of the compensation by the arm's swing, on a pendulum in motion, simulated or real.
+
+A compensation is tried with one scale at a time: the strength of the recommended setting, the level
+of Coulomb and stiction compensation, σ₁ of LuGre. The swing is the arm's estimated angle, peak to
+peak, which a real rig provides too.
+
+1. The motion is measured as it is, and without compensation. While the arm slides then, the
+   estimator observes the friction's level.
+2. Each compensation starts from this level. While the swing is beyond four counts of the encoder,
+   its scale changes by factors of four, because the minimum can lie behind a hill. Then it changes
+   by factors of two and less. Once the swing is small enough, by default
+   a count, the search ends.
+3. A trial counts as small enough only after a longer measurement. Otherwise the best one is
+   measured once more. If the motion as it was is not worse, nothing changes.
+
+Safety: the excursion is checked every tenth of a second. Where it leaves the guard, or grows beyond
+the best one so far, the best setting is restored and the search goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, sqrt
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from furuta.settings.recommended import RECOMMENDED, with_super_twisting
+from furuta.studies.tuning_plan import (
+    CALM,
+    CONFIRMING,
+    GUARD_INTERVAL,
+    MEASURING,
+    RECOVERY,
+    SETTLING,
+    STARTING,
+    TuningPlan,
+)
+from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
+from furuta_friction.compensation import ObserverParameters
+from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
+from furuta_model.parameters import ParameterError, values
+from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA
+from furuta_sim.simulation.closed_loop import Loop, Simulation
+
+# Called with a message and the pendulum time [s].
+ProgressCallback = Callable[[str, float], None]
+
+NONE, AS_IT_IS = "none", "as it is"
+# Swing [counts] from which the scale changes coarsely; the factors. One count without quantisation
+# [rad].
+FAR = 4.0
+COARSE, FINE = (1 / 4, 1 / 16, 4.0), (2.0, sqrt(2.0))
+SMALLEST_COUNT = 1e-3
+# Swing without compensation that shows the friction [rad].
+SHOWN = 0.2
+# Swing, relative to the best one, below which a trial is better, from which it is given up, and
+# from which a compensation is not tried further.
+BETTER, GROWN, HOPELESS = 0.9, 1.3, 2.0
+# Swing in the second half of a measurement, relative to all, below which it begins again.
+DECAYING = 0.5
+# Scales that are allowed, and those from the observed level; relative difference of two scales.
+SCALES, FROM_LEVEL, DIFFERENT = (0.02, 4.0), (0.05, 2.0), 0.05
+# Speed [rad/s], and part of the highest speed, from which the arm slides; samples that are enough.
+SLIDING, FAST, ENOUGH = 0.05, 0.3, 100
+
+
+class Compensation(NamedTuple):
+    """The parameters of friction observer and controller."""
+
+    observer: ObserverParameters
+    controller: ControllerParameters
+
+    def changes(self, since: Compensation) -> dict[str, dict[str, Any]]:
+        """Values that differ from those of another one, by node."""
+        named = {"friction_observer": self.observer, "controller": self.controller}
+        return {
+            node: {name: new for name, new in values(group).items() if new != values(old)[name]}
+            for (node, group), old in zip(named.items(), since, strict=True)
+        }
+
+
+class Trial(NamedTuple):
+    """A compensation with a scale, and the arm's swing [rad]; infinite outside the guard.
+
+    A trial that is ``given_up`` swung more than that.
+    """
+
+    name: str
+    scale: float
+    compensation: Compensation
+    swing: float = inf
+    given_up: bool = False
+
+    def __str__(self) -> str:
+        """A line of the report."""
+        scale = "" if self.name in (NONE, AS_IT_IS) else f" {self.scale:.3g}"
+        if self.swing == inf:
+            return f"{self.name}{scale}: left the guard"
+        return f"{self.name}{scale}: {'more than ' if self.given_up else ''}{self.swing:.4f} rad"
+
+    def as_json(self) -> dict[str, Any]:
+        """The trial as a JSON object."""
+        swing = None if self.swing == inf else self.swing
+        return {"compensation": self.name, "scale": self.scale, "phi_peak_to_peak_rad": swing}
+
+
+class TuningResult(NamedTuple):
+    """The motion as it was and with the result, all trials, pendulum time [s], one count of the
+    encoder [rad].
+    """
+
+    before: Trial
+    after: Trial
+    trials: list[Trial]
+    seconds: float
+    encoder_count: float
+
+    @property
+    def gain(self) -> bool:
+        """Whether tuning found something better than what was."""
+        return self.after.compensation != self.before.compensation
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """The values that tuning changed, by node."""
+        return self.after.compensation.changes(self.before.compensation)
+
+    def as_json(self) -> dict[str, Any]:
+        """The result as a JSON object."""
+        return {
+            "parameters": self.parameters,
+            "before": self.before.as_json(),
+            "after": self.after.as_json(),
+            "trials": [trial.as_json() for trial in self.trials],
+            "gain": self.gain,
+            "pendulum_seconds": self.seconds,
+        }
+
+
+class TunableLoop(Protocol):
+    """A closed loop in operation, simulated or real."""
+
+    def apply(self, compensation: Compensation) -> None:
+        """Set the parameters of friction observer and controller."""
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """Let the pendulum move on, and return the estimates (n, 5) of that time."""
+
+
+class SimulatedLoop:
+    """A simulation as a :class:`TunableLoop`."""
+
+    def __init__(self, loop: Loop) -> None:
+        self._simulation = Simulation(loop)
+
+    def apply(self, compensation: Compensation) -> None:
+        """Set the parameters between two samples."""
+        self._simulation.loop = self._simulation.loop._replace(**compensation._asdict())
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """Continue the simulation, and return the estimates (n, 5)."""
+        return self._simulation.run(seconds).estimate
+
+
+RESTORED = "the initial parameters are restored"
+
+
+class GuardError(ParameterError):
+    """The motion left the guard, and no setting brought it back."""
+
+
+def tune(
+    rig: TunableLoop,
+    start: Compensation,
+    estimator: EstimatorParameters,
+    plan: TuningPlan,
+    report: ProgressCallback,
+    follow: float = 0.0,
+) -> TuningResult:
+    """Tune the compensation of ``rig`` and leave it with the best one found.
+
+    After that the swing is watched for ``follow`` [s], and the strength is searched again whenever
+    it has grown. Raises :class:`GuardError` if the pendulum falls. The initial parameters are then
+    restored, as after any interruption.
+    """
+    plan.check()
+    tuner = Tuner(rig, start, estimator.sensors.encoder_count, plan, report)
+    try:
+        result = tuner.run()
+        tuner.follow(follow)
+        return result
+    except BaseException:
+        rig.apply(start)
+        raise
+
+
+def tune_simulated(loop: Loop, plan: TuningPlan, report: ProgressCallback) -> TuningResult:
+    """Tune a simulated loop."""
+    start = Compensation(loop.observer, loop.controller)
+    return tune(SimulatedLoop(loop), start, loop.estimator, plan, report)
+
+
+class Tuner:
+    """A search on one rig; ``count`` [rad] is that of the arm's encoder."""
+
+    def __init__(
+        self,
+        rig: TunableLoop,
+        start: Compensation,
+        count: float,
+        plan: TuningPlan,
+        report: ProgressCallback,
+    ) -> None:
+        self._rig, self._start, self._plan, self._report = rig, start, plan, report
+        self._count = count or SMALLEST_COUNT
+        self._enough, self._far = plan.enough * self._count, FAR * self._count
+        self._known = start.observer.friction  # with the level that has been observed
+        self._trials: list[Trial] = []
+        self._elapsed = 0.0
+
+    def run(self) -> TuningResult:
+        """Find the compensation with the least swing, and apply it."""
+        self._advance(STARTING)
+        before = self._try(self._as_it_is)
+        if RECOMMENDED in self._plan.compensations:
+            self._try_scale(RECOMMENDED, before.scale)
+            self._try_scale(RECOMMENDED, 0.5 * before.scale)
+        # Where half of it is much worse, as on an elastic arm, none could let the pendulum fall.
+        if self._best().swing > self._enough and not self._trials[-1].given_up:
+            self._try(self._candidate(NONE, 0.0))
+        for name in self._plan.compensations:
+            self._search(name, self._level if name == RECOMMENDED else 1.0)
+        after = self._confirmed()
+        return TuningResult(before, after, self._trials, self._elapsed, self._count)
+
+    def follow(self, seconds: float) -> None:
+        """Search the strength again whenever the swing has grown, until ``seconds`` have passed."""
+        best, end = self._best(), self._elapsed + seconds
+        while self._elapsed < end:
+            self._trials = [best]
+            if self._try(best).given_up:
+                self._trials = []
+                strength = self._try(best._replace(swing=inf)).scale
+                self._plan = self._plan._replace(seconds=self._elapsed + self._plan.seconds)
+                self._search(RECOMMENDED, strength if best.name == RECOMMENDED else 1.0)
+                best = self._best()
+                self._rig.apply(best.compensation)
+
+    @property
+    def _as_it_is(self) -> Trial:
+        """The initial parameters."""
+        if is_twisting(self._start):
+            return Trial(RECOMMENDED, self._start.controller.strength, self._start)
+        return Trial(AS_IT_IS, 1.0, self._start)
+
+    @property
+    def _level(self) -> float:
+        """The observed level of friction, relative to that of the model."""
+        level = self._known.alpha0 / max(self._start.observer.friction.alpha0, SMALLEST_LEVEL)
+        return min(max(level, FROM_LEVEL[0]), FROM_LEVEL[1])
+
+    def _candidate(self, name: str, scale: float) -> Trial:
+        """A compensation to try; all but the recommended one have the observed level."""
+        observer, controller = self._start
+        if name == NONE:
+            controller = controller._replace(strength=0.0)
+        elif name == RECOMMENDED:
+            if not is_twisting(self._start):
+                controller = with_super_twisting(controller, observer)
+            controller = controller._replace(strength=scale)
+            observer = observer._replace(compensation="lugre")
+        else:
+            controller = controller._replace(strength=1.0, super_twisting=0.0)
+            scaled = ("sigma1",) if name == "lugre" else ("alpha0", "alpha1")
+            changes = {each: scale * getattr(self._known, each) for each in scaled}
+            known = self._known._replace(**changes)
+            observer = observer._replace(compensation=name, friction=known)
+        return Trial(name, scale, Compensation(observer, controller))
+
+    def _search(self, name: str, first: float) -> None:
+        """Change the scale of a compensation until the swing is near enough."""
+        self._try_scale(name, first)
+        for factor in COARSE:
+            if self._best(name).swing > self._far:
+                self._try_scale(name, factor * first)
+        for step in FINE:
+            for factor in (1.0 / step, step):
+                while self._improves(name, factor):
+                    pass
+
+    def _improves(self, name: str, factor: float) -> bool:
+        """Whether the best scale, changed by a factor, is better."""
+        best = self._best(name)
+        if best.swing <= HOPELESS * self._best().swing:
+            self._try_scale(name, factor * best.scale)
+        return self._best(name).swing < BETTER * best.swing
+
+    def _try_scale(self, name: str, scale: float) -> None:
+        """Try a scale, unless that is not needed, not allowed, known, or too late."""
+        known = any(
+            trial.name == name and abs(trial.scale / scale - 1.0) < DIFFERENT
+            for trial in self._trials
+        )
+        allowed = SCALES[0] <= scale <= SCALES[1]
+        needed = self._best().swing > self._enough
+        if needed and allowed and not known and self._has_time(SETTLING + MEASURING + RECOVERY):
+            self._try(self._candidate(name, scale))
+
+    def _has_time(self, seconds: float = 0.0) -> bool:
+        """Whether ``seconds`` are left before the last measurement."""
+        return self._elapsed + seconds + SETTLING + CONFIRMING <= self._plan.seconds
+
+    def _best(self, name: str = "") -> Trial:
+        """The best trial, of a compensation if there is a name; endless swing if there is none."""
+        trials = [trial for trial in self._trials if name in ("", trial.name)]
+        fallback = self._candidate(RECOMMENDED, 1.0)
+        return min(trials, key=lambda trial: (trial.given_up, trial.swing), default=fallback)
+
+    def _confirmed(self) -> Trial:
+        """The best trial after a longer measurement; it is applied."""
+        confirmed: list[Trial] = []
+        while (best := self._best()) not in confirmed and best.swing > self._enough:
+            if best.swing == inf or not self._has_time():
+                break
+            swing = self._measured(best, CONFIRMING, inf).swing
+            confirmed.append(best._replace(swing=max(best.swing, swing)))
+            self._trials[self._trials.index(best)] = confirmed[-1]
+        if self._trials[0].swing < inf and best.swing > BETTER * self._trials[0].swing:
+            best = self._trials[0]
+        if best.swing == inf:
+            raise GuardError(f"every trial left the guard of {self._guard}; {RESTORED}")
+        self._rig.apply(best.compensation)
+        return best
+
+    def _try(self, trial: Trial) -> Trial:
+        """Measure a trial; if it swings more than the best one, go back to that."""
+        best = self._best().swing
+        least = SHOWN if trial.name == NONE else best + self._count
+        grown = max(GROWN * best, least)
+        trial = self._measured(trial, MEASURING, grown)
+        self._trials.append(trial)
+        self._report(str(trial), self._elapsed)
+        if trial.swing > grown or trial.name == NONE:
+            self._go_back()
+        return trial
+
+    def _measured(self, trial: Trial, seconds: float, grown: float) -> Trial:
+        """A trial with its swing, measured for longer if that is near enough."""
+        self._rig.apply(trial.compensation)
+        seen: list[np.ndarray] = []
+        inside = self._watch(SETTLING, 2.0 * grown, seen)
+        if inside and swing_of(seen) <= 2.0 * grown:
+            seen = []
+            inside = self._watch(seconds, grown, seen)
+        if inside and swing_of(seen[len(seen) // 2 :]) < DECAYING * swing_of(seen):
+            seen = []
+            inside = self._watch(seconds, grown, seen)
+        if inside and seconds < CONFIRMING and swing_of(seen) <= self._enough:
+            inside = self._watch(CONFIRMING, grown, seen)
+        if trial.name == NONE:
+            self._known = observed_friction(np.concatenate(seen), self._known)
+        swing = swing_of(seen) if inside else inf
+        return trial._replace(swing=swing, given_up=grown < swing < inf)
+
+    def _watch(self, seconds: float, grown: float, seen: list[np.ndarray]) -> bool:
+        """Append estimates to ``seen`` until it has ``grown``; whether it is inside the guard."""
+        for _ in range(round(seconds / GUARD_INTERVAL)):
+            seen.append(self._advance(GUARD_INTERVAL))
+            swing = swing_of(seen)
+            if swing > self._plan.arm_guard or not self._is_upright(seen[-1]):
+                return False
+            if swing > grown:
+                break
+        return True
+
+    def _advance(self, seconds: float) -> np.ndarray:
+        self._elapsed += seconds
+        return self._rig.watch(seconds)
+
+    def _is_upright(self, estimates: np.ndarray) -> bool:
+        return bool(np.max(np.abs(estimates[:, THETA])) <= self._plan.pendulum_guard)
+
+    def _go_back(self) -> None:
+        """Apply the best trial so far; if the pendulum has fallen, tuning ends."""
+        best = self._best()
+        self._rig.apply(best.compensation)
+        for _ in range(CALM):
+            last = self._advance(RECOVERY)
+            if swing_of([last]) <= best.swing + self._count and self._is_upright(last):
+                return
+        if not self._is_upright(last):
+            raise GuardError(f"the pendulum left the guard of {self._guard}; {RESTORED}")
+
+    @property
+    def _guard(self) -> str:
+        arm, pendulum = self._plan.arm_guard, self._plan.pendulum_guard
+        return f"{arm:g} rad of the arm and {pendulum:g} rad (arm-guard, pendulum-guard)"
+
+
+def is_twisting(compensation: Compensation) -> bool:
+    """Whether it is of the recommended kind: LuGre with super-twisting."""
+    observer, controller = compensation
+    return observer.compensation == "lugre" and controller.super_twisting > 0.0
+
+
+def swing_of(estimates: list[np.ndarray]) -> float:
+    """The arm's angle in all parts, peak to peak [rad]."""
+    angles = [part[:, PHI] for part in estimates]
+    return max(each.max() for each in angles) - min(each.min() for each in angles)
+
+
+def observed_friction(estimates: np.ndarray, known: Friction) -> Friction:
+    """The friction with the levels that ``estimates`` (n, 5) show where the arm slides.
+
+    It is the one that was ``known`` if the arm does not slide in both directions, or if what the
+    estimator observes does not oppose it, as behind an elastic coupling.
+    """
+    speed, friction = estimates[:, PHI_DOT], estimates[:, OBSERVED_FRICTION]
+    slides = np.abs(speed) > max(SLIDING, FAST * np.max(np.abs(speed)))
+    forward, backward = friction[slides & (speed > 0.0)], -friction[slides & (speed < 0.0)]
+    if min(len(forward), len(backward)) < ENOUGH:
+        return known
+    high, low = float(np.mean(forward)), float(np.mean(backward))
+    if not min(high, low) > 0.0:
+        return known
+    level = 0.5 * (high + low)
+    factor = level / known.alpha0 if known.alpha0 else 1.0
+    asymmetry = 0.5 * (high - low) / level
+    return known._replace(alpha0=level, alpha1=factor * known.alpha1, asymmetry=asymmetry)

@@ -1,1 +1,0 @@
-"""Automatic tuning of the friction compensator."""
