@@ -17,7 +17,7 @@ MAIN = {
     ("friction_observer", "compensation"): "compensation",
     ("friction_observer", "alpha0"): "believed alpha0",
     ("plant", "friction.alpha0"): "true alpha0",
-    ("controller", "super_twisting"): "super_twisting",
+    ("controller", "strength"): "strength",
     ("controller", "enabled"): "controller enabled",
 }
 # The order of the folders; a node with another name comes after these.
