@@ -222,8 +222,12 @@ class Tuner:
 
     def run(self) -> TuningResult:
         """Find the compensation with the least swing, and apply it."""
-        self._advance(STARTING)
-        before = self._try(self._as_it_is)
+        before = self._as_it_is
+        if self._watch(STARTING, inf, []):
+            before = self._try(before)
+        else:
+            self._trials.append(before)
+            self._go_back()
         if RECOMMENDED in self._plan.compensations:
             self._try_scale(RECOMMENDED, before.scale)
             self._try_scale(RECOMMENDED, 0.5 * before.scale)
@@ -313,10 +317,11 @@ class Tuner:
         return self._elapsed + seconds + SETTLING + CONFIRMING <= self._plan.seconds
 
     def _best(self, name: str = "") -> Trial:
-        """The best trial, of a compensation if there is a name; endless swing if there is none."""
+        """The best trial, of a compensation if there is a name; else the standard one, unknown."""
         trials = [trial for trial in self._trials if name in ("", trial.name)]
-        fallback = self._candidate(RECOMMENDED, 1.0)
-        return min(trials, key=lambda trial: (trial.given_up, trial.swing), default=fallback)
+        standard = self._candidate(RECOMMENDED, 1.0)
+        best = min(trials, key=lambda trial: (trial.given_up, trial.swing), default=standard)
+        return standard if best.swing == inf else best
 
     def _confirmed(self) -> Trial:
         """The best trial after a longer measurement; it is applied."""
