@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
+from furuta.loops import load_rig, make_loop
 from furuta.oscillation import measure_oscillation
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
+from furuta_hw.drivers.serial_protocol.driver import SampleConverter
+from furuta_hw.protocol.frames import SensorsFrame
 from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
@@ -72,3 +75,18 @@ def test_a_run_in_parts_is_the_same_run() -> None:
     whole = simulate(loop, 2.0)
     for k in range(1, 6):
         assert np.array_equal(np.concatenate([part[k] for part in parts]), whole[k])
+
+
+@pytest.mark.parametrize("name", ["qube_servo_2", "odrive_furuta"])
+def test_a_rig_with_encoders_reads_their_counts(name: str) -> None:
+    """Its simulated measurements are those that its driver makes of counts, the speed too."""
+    rig = load_rig(name)
+    record = simulate(make_loop({"omega1": 6.0, "omega2": 9.0}, rig=rig), 1.0)
+    converter, arm, pendulum = SampleConverter(rig), rig.arm.channel, rig.pendulum.channel
+    codes = [(arm.to_code(x[0]), pendulum.to_code(x[2])) for x in record.state]
+    read = [
+        converter.convert(SensorsFrame(0, k, 0, 0, 0, a, 0, p, 0)) for k, (a, p) in enumerate(codes)
+    ]
+    expected = [(sample.arm_angle, sample.arm_speed, sample.pendulum_angle) for sample in read]
+    assert record.measurement[:, :3] == pytest.approx(np.array(expected), abs=1e-9)
+    assert np.ptp(record.measurement[:, 1]) > 0.1

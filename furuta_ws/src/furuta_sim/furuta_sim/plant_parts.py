@@ -57,6 +57,9 @@ def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
     variation, elastic = p.friction.variation, p.coupling.is_elastic
     pushes, waves = _tables(p.pushes, p.waves, p.sample_time)
     optional = (variation, p.drive, p.cogging, p.pendulum_friction, p.tilt)
+    faults = p.sensor_faults
+    if p.sensors.ideal:
+        faults = faults._replace(speed_bandwidth=0.0)
     on = elastic or any(part != type(part)() for part in optional)
     return Parts(
         any=on or find_law(p.friction.law).springs or p.pushes.number > 0 or len(waves) > 0,
@@ -70,7 +73,7 @@ def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
         pushes=pushes,
         waves=waves,
         coupling=design_coupling(p.coupling, p.model, law, p.sample_time),
-        faults=design_faults(p.sensor_faults, p.coupling.senses_motor, p.sample_time, p.seed),
+        faults=design_faults(faults, p.coupling.senses_motor, p.sample_time, p.seed),
     )
 
 

@@ -53,6 +53,7 @@ def _plant_parts(rig: Rig) -> dict[str, Any]:
         "actuator.bits": rig.drive.bits,
         **values(rig.drive_dynamics, "drive."),
         **values(rig.coupling, "coupling."),
+        "sensor_faults.speed_bandwidth": rig.speed.bandwidth * (rig.speed.sensor == "encoder"),
         **values(rig.pendulum_friction, "pendulum_friction."),
         **values(rig.waves, "waves."),
         **values(rig.tilt, "tilt."),

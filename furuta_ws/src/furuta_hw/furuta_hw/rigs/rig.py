@@ -3,7 +3,7 @@
 The defaults are the rig of the paper, Section 4.
 """
 
-from math import pi, sqrt
+from math import pi
 from typing import Annotated, NamedTuple
 
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
@@ -89,12 +89,12 @@ class Rig(NamedTuple):
         """The sensors as estimator and simulator model them.
 
         Analogue channels have noise of one code. A speed from differenced counts is as accurate
-        as one count over the low-pass's time. An encoder on the pendulum is modelled as a
-        potentiometer with fine resolution.
+        as one count over the low-pass's time. An encoder on the pendulum is a potentiometer without
+        noise whose codes are the counts, and whose range exceeds the circle.
         """
         arm, speed, pendulum = self.arm, self.speed, self.pendulum
         tachometer, potentiometer = speed.sensor == "tachometer", pendulum.sensor != "encoder"
-        count = abs(pendulum.channel.per_code)
+        count, bits = abs(pendulum.channel.per_code), pendulum.counts_per_turn.bit_length()
         return Sensors(
             encoder_counts=arm.counts_per_turn,
             tachometer_range=speed.range if tachometer else self.limits.arm_speed,
@@ -102,9 +102,9 @@ class Rig(NamedTuple):
             tachometer_noise=abs(speed.channel.per_code)
             if tachometer
             else 0.5 * speed.bandwidth * abs(arm.channel.per_code),
-            potentiometer_range=pendulum.range if potentiometer else pi,
-            potentiometer_bits=pendulum.bits if potentiometer else 0,
-            potentiometer_noise=count if potentiometer else count / sqrt(12.0),
+            potentiometer_range=pendulum.range if potentiometer else count * 2 ** (bits - 1),
+            potentiometer_bits=pendulum.bits if potentiometer else bits,
+            potentiometer_noise=count if potentiometer else 0.0,
         )
 
     @property

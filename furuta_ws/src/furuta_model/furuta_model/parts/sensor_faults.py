@@ -1,9 +1,10 @@
-"""Faults of the sensors: delay, bias, a stuck sensor and missing readings.
+"""Faults of the sensors: delay, bias, a stuck sensor, missing readings, a speed from counts.
 
 Missing readings come from a stream of their own, a hash of seed, reading and signal: switching them
 on leaves the sensors' noise as it is.
 """
 
+from math import expm1
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -27,12 +28,23 @@ class SensorFaults(NamedTuple):
     arm_bias: Annotated[float, About("error of the arm angle", "rad", -10, 10)] = 0.0
     arm_speed_bias: Annotated[float, About("error of the arm speed", "rad/s", -10, 10)] = 0.0
     pendulum_bias: Annotated[float, About("error of the pendulum angle", "rad", -1, 1)] = 0.0
+    speed_bandwidth: Annotated[
+        float,
+        About(
+            "without a tachometer: bandwidth of the filter on the difference of the arm's angles; "
+            "0 with a tachometer",
+            "rad/s",
+            0,
+            1e5,
+        ),
+    ] = 0.0
 
 
 class FaultySensors(NamedTuple):
     """The faults, as compiled code uses them; ``stuck_from`` [readings].
 
     ``on_motor``: encoder and tachometer are on the motor's side of an elastic coupling.
+    ``speed_rate`` [1/s] is the share of a new value in the filtered speed, over the sample time.
     """
 
     any: bool
@@ -43,12 +55,15 @@ class FaultySensors(NamedTuple):
     arm_bias: float
     arm_speed_bias: float
     pendulum_bias: float
+    speed_share: float
+    speed_rate: float
     on_motor: bool
     seed: int
 
 
 def design_faults(p: SensorFaults, on_motor: bool, dt: float, seed: int) -> FaultySensors:
     """The faults for samples of ``dt`` [s]; sensors ``on_motor`` count as faulty."""
+    share = -expm1(-p.speed_bandwidth * dt)
     return FaultySensors(
         on_motor or p._replace(stuck_from=0.0) != SensorFaults(),
         p.reading_delay,
@@ -58,6 +73,8 @@ def design_faults(p: SensorFaults, on_motor: bool, dt: float, seed: int) -> Faul
         p.arm_bias,
         p.arm_speed_bias,
         p.pendulum_bias,
+        share,
+        share / dt,
         on_motor,
         seed,
     )
@@ -92,15 +109,26 @@ def faulty_state(memory: PlantMemory, i: int, p: FaultySensors) -> float:
 @inlined
 def apply_faults(memory: PlantMemory, measurement: np.ndarray, p: FaultySensors) -> None:
     """Repeat the reading of a stuck sensor and remove missing ones; count the reading."""
-    reading = memory.readings
+    reading, angle = memory.readings, memory.last_reading[PHI]
     for i in range(RIGID_STATES):
         memory.states[reading % DELAY_SLOTS, i] = sensed_state(memory, i, p.on_motor)
+        if i == PHI_DOT and p.speed_share > 0.0:
+            measurement[i] = counted_speed(memory, angle, p)
         if i == p.stuck and reading >= max(p.stuck_from, 1.0):
             measurement[i] = memory.last_reading[i]
         memory.last_reading[i] = measurement[i]
         if p.missing > 0.0 and uniform(p.seed, reading, i) < p.missing:
             measurement[i] = np.nan
     memory.readings += 1
+
+
+@inlined
+def counted_speed(memory: PlantMemory, angle: float, p: FaultySensors) -> float:
+    """The filtered difference of the last reading of φ and the one before, ``angle`` [rad/s]."""
+    if memory.readings == 0:
+        return 0.0
+    speed = memory.last_reading[PHI_DOT]
+    return speed + p.speed_rate * (memory.last_reading[PHI] - angle) - p.speed_share * speed
 
 
 @compiled
