@@ -7,12 +7,15 @@ from scipy.signal import cont2discrete
 
 from furuta.loops import load_rig, make_loop
 from furuta.oscillation import measure_oscillation
+from furuta.outcomes import SENSORS_SECONDS, sensors_alone
 from furuta_control.estimation import EstimatorParameters
+from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.protocol.frames import SensorsFrame
 from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
+from furuta_model.linear import linearize
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
 from furuta_sim.simulation.closed_loop import Loop, Simulation, simulate
 
@@ -90,3 +93,57 @@ def test_a_rig_with_encoders_reads_their_counts(name: str) -> None:
     expected = [(sample.arm_angle, sample.arm_speed, sample.pendulum_angle) for sample in read]
     assert record.measurement[:, :3] == pytest.approx(np.array(expected), abs=1e-9)
     assert np.ptp(record.measurement[:, 1]) > 0.1
+
+
+def counting_loop(loop: Loop, bandwidth: float) -> float:
+    """Swing [rad] of the linear pendulum, whose angles and commands are counted."""
+    plant, dt = loop.plant, loop.plant.sample_time
+    viscous = plant.friction.parameters.viscous
+    a, b = linearize(plant.model, viscous)
+    ad, bd, *_ = cont2discrete((a, b[:, None], np.eye(4), 0), dt)
+    step = sample_kalman(loop.estimator.rig, loop.estimator.parts.kalman)
+    gain = np.array(loop.controller.feedback_gain)
+    arm = 2 * np.pi / plant.sensors.encoder_counts
+    pendulum = 2 * plant.sensors.potentiometer_range / 2**plant.sensors.potentiometer_bits
+    volt = 2 * plant.actuator.voltage_range / 2**plant.actuator.bits
+    x, estimate, u, speed, before, series = (
+        np.array([0, 0, 0.05, 0]),
+        np.zeros(5),
+        0.0,
+        0.0,
+        0.0,
+        [],
+    )
+    for _ in range(round(SENSORS_SECONDS / dt)):
+        phi, theta = arm * round(x[0] / arm), pendulum * round(x[2] / pendulum)
+        speed += (1 - np.exp(-bandwidth * dt)) * ((phi - before) / dt - speed)
+        started = bool(series)
+        estimate = (
+            step @ [*estimate, u, speed, theta] if started else np.array([phi, 0, theta, 0, 0])
+        )
+        estimate[0] = np.clip(estimate[0], phi - arm / 2, phi + arm / 2)
+        u, before = volt * round(-gain @ estimate[:4] / volt), phi
+        x = ad @ x + bd[:, 0] * u
+        series.append(x[0])
+    return float(np.ptp(series[len(series) // 2 :]))
+
+
+@pytest.mark.parametrize("poles", [{"omega1": 7.0, "omega2": 5.0}, {"omega1": 7.0, "omega2": 7.0}])
+def test_swing_caused_by_the_sensors(poles: dict[str, float]) -> None:
+    """It is that of a linear loop with counts, and neither friction nor tilt changes it."""
+    given = {**poles, "zeta1": 0.7, "zeta2": 0.7, "friction_process_noise": 0.3}
+    rig = load_rig("qube_servo_2")
+    found = sensors_alone(make_loop(given, rig=rig))
+    disturbed = given | {"alpha0": 0.4, "compensation": "recommended", "tilt.x": 0.1}
+    assert sensors_alone(make_loop(disturbed, rig=rig)) == found
+    assert found > 0.03
+    assert found == pytest.approx(counting_loop(make_loop(given, rig=rig), 200.0), rel=0.3)
+
+
+def test_ideal_sensors_cause_no_swing() -> None:
+    assert sensors_alone(ideal()) < 1e-6
+
+
+def test_coarse_sensors_let_the_pendulum_fall() -> None:
+    coarse = make_loop({"sensors.potentiometer_bits": 4, "sensors.potentiometer_range": 3.2})
+    assert sensors_alone(coarse) == np.inf

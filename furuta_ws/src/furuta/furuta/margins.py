@@ -22,12 +22,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.outcomes import sensors_alone
 from furuta.transfer import checked_feedback, transfer
-from furuta_control.control import ControllerParameters
 from furuta_model.linear import linearize
 from furuta_model.optional import needed_by
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
+from furuta_sim.simulation.closed_loop import Loop
 
 POINTS = 20_000  # of the grid over ω for the disk margin
 SPAN = 1e3  # of that grid beyond the slowest and fastest pole
@@ -72,13 +73,12 @@ def margins(p: FurutaPendulum, gain: np.ndarray, viscous: float = 0.0) -> Margin
     )
 
 
-def linear_report(
-    controller: ControllerParameters, feedback: Sequence[float] | None = None
-) -> dict[str, Any]:
-    """Linear model of the controller, poles, gain L and margins by name.
+def linear_report(loop: Loop, feedback: Sequence[float] | None = None) -> dict[str, Any]:
+    """Linear model of the controller, poles, gain L, margins and the sensors' swing by name.
 
     ``feedback`` is l (4,) of u = l·x instead of the controller's; L = −l.
     """
+    controller = loop.controller
     a, b = linearize(controller.model, controller.model_viscous)
     gain = -np.array(checked_feedback(feedback)) if feedback else np.array(controller.feedback_gain)
     closed = np.linalg.eigvals(a - np.outer(b, gain))
@@ -92,6 +92,8 @@ def linear_report(
     }
     if np.all(closed.real < 0.0):
         report["margins"] = margins(controller.model, gain, controller.model_viscous)._asdict()
+        given = controller._replace(gain=tuple(gain.tolist()))
+        report["sensors_alone_rad"] = sensors_alone(loop._replace(controller=given))
     return report
 
 

@@ -4,7 +4,7 @@ A run of any length needs one small memory, :class:`Sums`.
 """
 
 from dataclasses import dataclass, field
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,15 +15,21 @@ from furuta.oscillation import (
     accumulate_midpoint,
     oscillation,
 )
+from furuta_control.excitation import ExcitationParameters
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
+from furuta_model.friction.parameters import Friction
+from furuta_model.sensors import step_size
 from furuta_model.state import PHI, SIGNALS, THETA
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, Plant, move, true_friction
 from furuta_sim.simulation.closed_loop import Loop, Simulation, control_measured
 from furuta_sim.simulation.control_system import ControlSystem
 
 # Fraction of a run that is measured: the last half, after the transients.
 SETTLED = 0.5
+# Duration of a run that shows the swing caused by the sensors [s].
+SENSORS_SECONDS = 30.0
 # Rate [1/s] of the filter that separates the fast part of the command: 50 Hz.
 FAST = 100.0 * np.pi
 
@@ -86,6 +92,41 @@ def measure(simulation: Simulation, seconds: float, settled: float = SETTLED) ->
         *(samples, samples - measured, sums),
     )
     return summary(sums[0].item(), simulation.loop.plant.sample_time, samples, measured)
+
+
+def sensors_alone(loop: Loop) -> float:
+    """Swing of the arm [rad], peak to peak, that quantisation and noise of the sensors cause.
+
+    It is simulated without friction, compensation and disturbances, but with the drive's delay and
+    the elasticity of the coupling. The pendulum is upright once at a code of its sensor and once
+    between two; the larger swing counts. It is infinite if the pendulum falls.
+    """
+    runs = [outcome(_only_sensors(loop, part), SENSORS_SECONDS) for part in (0.0, 0.5)]
+    return max(inf if run.fell else run.phi_peak_to_peak_rad for run in runs)
+
+
+def _only_sensors(loop: Loop, part: float) -> Loop:
+    """The loop without friction; upright is that ``part`` of a code beside one."""
+    plant, sensors = loop.plant, loop.plant.sensors
+    step = step_size(sensors.potentiometer_range, sensors.potentiometer_bits)
+    viscous = Friction(alpha0=0.0, alpha1=0.0, viscous=plant.friction.parameters.viscous)
+    return loop._replace(
+        plant=PlantParameters(
+            model=plant.model,
+            friction=PlantFriction("coulomb", viscous),
+            sensors=sensors,
+            actuator=plant.actuator,
+            drive=plant.drive,
+            coupling=plant.coupling._replace(backlash=0.0),
+            pendulum_friction=plant.pendulum_friction._replace(coulomb=0.0),
+            sensor_faults=plant.sensor_faults._replace(pendulum_bias=part * step),
+            sample_time=plant.sample_time,
+        ),
+        observer=loop.observer._replace(compensation="none"),
+        controller=loop.controller._replace(
+            mode="balance", super_twisting=0.0, excitation=ExcitationParameters()
+        ),
+    )
 
 
 def summary(sums: tuple[Any, ...], sample_time: float, samples: int, measured: int) -> Outcome:

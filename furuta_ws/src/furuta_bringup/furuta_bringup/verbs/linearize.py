@@ -41,6 +41,8 @@ def command(
     """Print the controller's linear model, eqs. (2) and (3), its poles, and its gain, eq. (7).
 
     The gain, phase, delay and disk margins apply if the friction is compensated exactly.
+    sensors_alone_rad is the swing of the arm, peak to peak, that the sensors cause in a simulation
+    without friction.
 
     --nyquist adds the crossings of the real axis, for the plant's model. Limit cycles are possible
     where G crosses the negative real axis, because -1/N of Coulomb friction covers this axis.
@@ -57,7 +59,7 @@ def command(
     if out is not None and not nyquist:
         raise click.UsageError("--out needs --nyquist or --figure-4")
     nominal = loop(load_settings(files, assignments))
-    report = linear_report(nominal.controller, feedback)
+    report = linear_report(nominal, feedback)
     options = AnalysisOptions(files, assignments, "lugre", feedback)
     if nyquist:
         from furuta.transfer import FIGURE_4

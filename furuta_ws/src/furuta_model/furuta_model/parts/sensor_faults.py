@@ -30,13 +30,7 @@ class SensorFaults(NamedTuple):
     pendulum_bias: Annotated[float, About("error of the pendulum angle", "rad", -1, 1)] = 0.0
     speed_bandwidth: Annotated[
         float,
-        About(
-            "without a tachometer: bandwidth of the filter on the difference of the arm's angles; "
-            "0 with a tachometer",
-            "rad/s",
-            0,
-            1e5,
-        ),
+        About("filter on the difference of the arm's angles, 0: tachometer", "rad/s", 0, 1e5),
     ] = 0.0
 
 
