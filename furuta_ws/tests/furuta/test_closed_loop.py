@@ -7,7 +7,7 @@ from scipy.signal import cont2discrete
 
 from furuta.loops import load_rig, make_loop
 from furuta.oscillation import measure_oscillation
-from furuta.outcomes import SENSORS_SECONDS, sensors_alone
+from furuta.outcomes import SENSORS_SECONDS, outcome, sensors_alone
 from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.kalman import sample_kalman
 from furuta_friction.compensation import ObserverParameters
@@ -147,3 +147,17 @@ def test_ideal_sensors_cause_no_swing() -> None:
 def test_coarse_sensors_let_the_pendulum_fall() -> None:
     coarse = make_loop({"sensors.potentiometer_bits": 4, "sensors.potentiometer_range": 3.2})
     assert sensors_alone(coarse) == np.inf
+
+
+def test_poles_and_process_noise_of_the_qube() -> None:
+    """Its file sets both. They leave little motion without friction and with sticking friction."""
+    qube = make_loop({"compensation": "recommended"}, rig="qube_servo_2")
+    noise = qube.estimator.parts.kalman
+    assert (noise.friction_process_noise, noise.pendulum_process_noise) == (1.0, 0.3)
+    assert sensors_alone(qube) < 0.025
+    for level in (0.06, 0.2, 0.6):
+        friction = {"plant.friction.law": "coulomb", "plant.friction.alpha0": level}
+        loop = make_loop({"compensation": "recommended", **friction}, rig="qube_servo_2")
+        run = outcome(loop, 30.0)
+        assert not run.fell
+        assert run.phi_peak_to_peak_rad < 0.03

@@ -32,7 +32,8 @@ def test_example_of_the_docstring() -> None:
 
 def test_linearized_loop_has_the_placed_poles() -> None:
     """Also with viscous friction, of which pole placement knows."""
-    poles = furuta.linearize(furuta.make_loop({"omega1": 9.0}, rig="qube_servo_2")).poles()
+    given = {"omega1": 9.0, "zeta1": 0.7, "omega2": 5.0, "zeta2": 0.7}
+    poles = furuta.linearize(furuta.make_loop(given, rig="qube_servo_2")).poles()
     assert sorted(np.abs(poles)) == pytest.approx([5.0, 5.0, 9.0, 9.0])
 
 

@@ -1,4 +1,4 @@
-"""Linear model about upright, eqs. (2), (3), and pole placement, eqs. (6), (7)."""
+"""Linear model about upright, eqs. (2), (3), process noise, pole placement, eqs. (6), (7)."""
 
 from typing import Annotated, NamedTuple
 
@@ -23,6 +23,29 @@ class DesiredPoles(NamedTuple):
         first = [1.0, 2 * self.zeta1 * self.omega1, self.omega1**2]
         second = [1.0, 2 * self.zeta2 * self.omega2, self.omega2**2]
         return np.polymul(first, second)
+
+
+class KalmanParameters(NamedTuple):
+    """Process noise of the Kalman filter."""
+
+    friction_process_noise: Annotated[
+        float,
+        About(
+            "kalman: random change of the friction in one second (process noise)",
+            "V/√s",
+            1e-3,
+            1e3,
+        ),
+    ] = 0.3
+    pendulum_process_noise: Annotated[
+        float,
+        About(
+            "kalman: random change of the pendulum speed in one second (process noise)",
+            "rad/s/√s",
+            1e-3,
+            1e3,
+        ),
+    ] = 0.1
 
 
 def linearize(p: FurutaPendulum, viscous: float = 0.0) -> tuple[np.ndarray, np.ndarray]:

@@ -14,7 +14,6 @@ import numpy as np
 
 from furuta.axis.axis import Axis, Cascade, Controller, poles
 from furuta.limit_cycles.joint import Units
-from furuta_control.estimators.kalman import KalmanParameters
 from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
 from furuta_friction.joint_observer import (
     JointDesign,
@@ -27,6 +26,7 @@ from furuta_friction.joint_observer import (
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
+from furuta_model.linear import KalmanParameters
 from furuta_model.parameters import ParameterError
 
 # Of the paper's rig: level of friction [V], acceleration by it [rad/s²], size of the poles [1/s].

@@ -40,7 +40,7 @@ def rig_settings(rig: Rig) -> Settings:
     time = {"sample_time": rig.line.sample_time}
     return default_settings() | {
         "plant": model | sensors | values(rig.friction, "friction.") | time | _plant_parts(rig),
-        "estimator": nominal | sensors | time,
+        "estimator": nominal | sensors | time | values(rig.kalman),
         "friction_observer": values(rig.friction._replace(viscous=0.0)) | time,
         "controller": nominal | time | values(rig.poles) | _limits(rig),
     }

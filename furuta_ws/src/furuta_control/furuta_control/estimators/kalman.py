@@ -20,14 +20,13 @@ the second stays within its count.
 """
 
 from math import pi
-from typing import Annotated, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta_control.estimators.method import Method, NominalRig
 from furuta_model.compiled import inlined
-from furuta_model.linear import linearize
-from furuta_model.parameters import About
+from furuta_model.linear import KalmanParameters, linearize
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -44,29 +43,6 @@ from furuta_model.state import (
 SMALLEST_VARIANCE = 1e-14
 # Inputs of one sample: the five signals, then applied torque, tachometer, potentiometer.
 INPUTS = SIGNALS + 3
-
-
-class KalmanParameters(NamedTuple):
-    """Process noise of the filter."""
-
-    friction_process_noise: Annotated[
-        float,
-        About(
-            "kalman: random change of the friction in one second (process noise)",
-            "V/√s",
-            1e-3,
-            1e3,
-        ),
-    ] = 0.3
-    pendulum_process_noise: Annotated[
-        float,
-        About(
-            "kalman: random change of the pendulum speed in one second (process noise)",
-            "rad/s/√s",
-            1e-3,
-            1e3,
-        ),
-    ] = 0.1
 
 
 class Kalman(NamedTuple):

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_model.friction.parameters import Friction
-from furuta_model.linear import DesiredPoles
+from furuta_model.linear import DesiredPoles, KalmanParameters
 from furuta_model.parameters import About, ParameterError
 from furuta_model.parts.coupling import Coupling
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
@@ -73,6 +73,7 @@ class Rig(NamedTuple):
     tilt: Tilt = Tilt()
     waves: TorqueWaves = TorqueWaves()
     poles: DesiredPoles = DesiredPoles()
+    kalman: KalmanParameters = KalmanParameters()
 
     def check(self) -> None:
         """Reject a sign other than ±1 and a watchdog shorter than two samples."""
