@@ -53,8 +53,8 @@ BANDWIDTH, LARGEST_STEP = 80.0, 0.1
 # Factors on the strength, on each process noise, and on the bandwidth that are tried.
 STRENGTHS, NOISES, BANDWIDTHS = (0.7, 0.4, 0.2, 0.1, 0.05, 1.4), (0.33, 3.0), (0.5, 2.0)
 KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
-# The cases: level of friction and delay of the drive, relative to what is described. In the hard one
-# it matters only whether the pendulum falls, which counts as a further swing [rad].
+# The cases: level of friction and delay of the drive, relative to what is described. In the hard
+# one it matters only whether the pendulum falls, which counts as a further swing [rad].
 HARD_CASE, CASES = (3.0, 1.0), ((1.0, 1.0), (1.5, 1.5), (0.5, 1.5), (1.0, 1.5), (1.5, 0.5))
 FALL = 1.0
 SECONDS = 16.0

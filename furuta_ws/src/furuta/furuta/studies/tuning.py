@@ -287,7 +287,7 @@ class Tuner:
         """Change the scale of a compensation until the swing is near enough."""
         self._try_scale(name, first)
         for factor in COARSE:
-            if self._best(name).swing > self._far:
+            if self._best().swing > self._far:
                 self._try_scale(name, factor * first)
         for step in FINE:
             for factor in (1.0 / step, step):
