@@ -102,8 +102,12 @@ class Trial(NamedTuple):
 
     def as_json(self) -> dict[str, Any]:
         """The trial as a JSON object."""
-        swing = None if self.swing == inf else self.swing
-        return {"compensation": self.name, "scale": self.scale, "phi_peak_to_peak_rad": swing}
+        return {
+            "compensation": self.name,
+            "scale": self.scale,
+            "phi_peak_to_peak_rad": None if self.swing == inf else self.swing,
+            "given_up": self.given_up,
+        }
 
 
 class TuningResult(NamedTuple):
@@ -188,9 +192,7 @@ def tune(
     plan.check()
     tuner = Tuner(rig, start, estimator.sensors.encoder_count, plan, report)
     try:
-        result = tuner.run()
-        tuner.follow(follow)
-        return result
+        return tuner.follow(follow, tuner.run())
     except BaseException:
         rig.apply(start)
         raise
@@ -232,25 +234,28 @@ class Tuner:
             self._try_scale(RECOMMENDED, before.scale)
             self._try_scale(RECOMMENDED, 0.5 * before.scale)
         # Where half of it is much worse, as on an elastic arm, none could let the pendulum fall.
-        if self._best().swing > self._enough and not self._trials[-1].given_up:
+        none_is_safe = self._best().swing > self._enough and not self._trials[-1].given_up
+        if none_is_safe and self._has_time(2.0 * MEASURING):
             self._try(self._candidate(NONE, 0.0))
         for name in self._plan.compensations:
             self._search(name, self._level if name == RECOMMENDED else 1.0)
         after = self._confirmed()
         return TuningResult(before, after, self._trials, self._elapsed, self._count)
 
-    def follow(self, seconds: float) -> None:
+    def follow(self, seconds: float, result: TuningResult) -> TuningResult:
         """Search the strength again whenever the swing has grown, until ``seconds`` have passed."""
-        best, end = self._best(), self._elapsed + seconds
+        best, end, plan = result.after, self._elapsed + seconds, self._plan
         while self._elapsed < end:
+            # None may swing more in a search, in which it shows the friction.
+            best = best._replace(name=AS_IT_IS) if best.name == NONE else best
             self._trials = [best]
-            if self._try(best).given_up:
+            if self._try(best).swing > self._grown(best):
                 self._trials = []
                 strength = self._try(best._replace(swing=inf)).scale
-                self._plan = self._plan._replace(seconds=self._elapsed + self._plan.seconds)
+                self._plan = plan._replace(seconds=self._elapsed + plan.seconds)
                 self._search(RECOMMENDED, strength if best.name == RECOMMENDED else 1.0)
-                best = self._best()
-                self._rig.apply(best.compensation)
+                best = self._confirmed()
+        return result._replace(after=best, seconds=self._elapsed)
 
     @property
     def _as_it_is(self) -> Trial:
@@ -309,7 +314,7 @@ class Tuner:
         )
         allowed = SCALES[0] <= scale <= SCALES[1]
         needed = self._best().swing > self._enough
-        if needed and allowed and not known and self._has_time(SETTLING + MEASURING + RECOVERY):
+        if needed and allowed and not known and self._has_time(2.0 * MEASURING):
             self._try(self._candidate(name, scale))
 
     def _has_time(self, seconds: float = 0.0) -> bool:
@@ -341,15 +346,18 @@ class Tuner:
 
     def _try(self, trial: Trial) -> Trial:
         """Measure a trial; if it swings more than the best one, go back to that."""
-        best = self._best().swing
-        least = SHOWN if trial.name == NONE else best + self._count
-        grown = max(GROWN * best, least)
+        grown = self._grown(trial)
         trial = self._measured(trial, MEASURING, grown)
         self._trials.append(trial)
         self._report(str(trial), self._elapsed)
         if trial.swing > grown or trial.name == NONE:
             self._go_back()
         return trial
+
+    def _grown(self, trial: Trial) -> float:
+        """Swing of a trial [rad] from which it is given up."""
+        best = self._best().swing
+        return max(GROWN * best, SHOWN if trial.name == NONE else best + self._count)
 
     def _measured(self, trial: Trial, seconds: float, grown: float) -> Trial:
         """A trial with its swing, measured for longer if that is near enough."""
