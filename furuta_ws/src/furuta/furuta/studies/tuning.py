@@ -93,6 +93,11 @@ class Trial(NamedTuple):
     swing: float = inf
     given_up: bool = False
 
+    @property
+    def is_inside(self) -> bool:
+        """Whether it was neither given up nor outside the guard."""
+        return self.swing < inf and not self.given_up
+
     def __str__(self) -> str:
         """A line of the report."""
         scale = "" if self.name in (NONE, AS_IT_IS) else f" {self.scale:.3g}"
@@ -224,17 +229,13 @@ class Tuner:
 
     def run(self) -> TuningResult:
         """Find the compensation with the least swing, and apply it."""
-        before = self._as_it_is
-        if self._watch(STARTING, inf, []):
-            before = self._try(before)
-        else:
-            self._trials.append(before)
-            self._go_back()
+        self._advance(STARTING)
+        before = self._try(self._as_it_is)
         if RECOMMENDED in self._plan.compensations:
-            self._try_scale(RECOMMENDED, before.scale)
-            self._try_scale(RECOMMENDED, 0.5 * before.scale)
+            self._try_scale(RECOMMENDED, 1.0 if before.swing == inf else before.scale)
+            self._try_scale(RECOMMENDED, 0.5 * self._best().scale)
         # Where half of it is much worse, as on an elastic arm, none could let the pendulum fall.
-        none_is_safe = self._best().swing > self._enough and not self._trials[-1].given_up
+        none_is_safe = self._enough < self._best().swing and self._trials[-1].is_inside
         if none_is_safe and self._has_time(2.0 * MEASURING):
             self._try(self._candidate(NONE, 0.0))
         for name in self._plan.compensations:
