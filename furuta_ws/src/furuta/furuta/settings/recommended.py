@@ -58,7 +58,7 @@ KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
 # The cases: level of friction and delay of the drive, relative to what is described. In the hard
 # one only a swing beyond a limit [rad] counts, as a further swing [rad].
 HARD_CASE, CASES = (3.0, 1.0), ((1.0, 1.0), (1.5, 1.5), (0.5, 1.5), (1.0, 1.5), (1.5, 0.5))
-LIMIT, PENALTY = 0.5, 1.0
+LIMIT, PENALTY = 0.2, 1.0
 SECONDS = 16.0
 HORIZONTAL = pi / 2  # [rad]; beyond it the pendulum has fallen
 # Part of the least swing so far that another strength, or another of the rest, must not exceed. A
