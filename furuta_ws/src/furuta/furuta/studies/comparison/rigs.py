@@ -2,7 +2,7 @@
 
 Estimator, friction observer and controller keep the values of the settings. So the rigs show what a
 compensation does when the truth is not its model. The named rigs are the truths of the table in
-docs/compensation.md. Random rig k of a seed is the same in a comparison of any size: its parameters
+docs/results.md. Random rig k of a seed is the same in a comparison of any size: its parameters
 are drawn from the covariance of a rig file if it states one, otherwise it differs from the settings
 in friction law, friction and pendulum. Disturbances come on top. Each has a random stream of its
 own, so a further one leaves the other choices as they are.
@@ -10,6 +10,7 @@ own, so a further one leaves the other choices as they are.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import pi
 from typing import Any, NamedTuple
 
@@ -27,6 +28,7 @@ from furuta_sim.parameters import PlantParameters
 # Relative errors of the friction parameters and of each coefficient of the pendulum.
 FRICTION_ERROR, MODEL_ERROR = 0.3, 0.1
 _FRICTION = ("sigma0", "sigma1", "alpha0", "alpha1", "stribeck_velocity", "viscous")
+_LEVELS = "friction.alpha0", "friction.alpha1"
 _MODEL = ("alpha", "beta", "gamma", "delta")
 DISTURBANCES = ("delay", "lag", "noise", "turn", "asymmetry", "cogging", "coupling")
 # Largest values of the disturbances: delay and lag of the drive [s], factor on the tachometer's
@@ -41,6 +43,8 @@ LOWEST_FREQUENCY, HIGHEST_FREQUENCY = 50.0, 150.0
 BELTS = {"arm": (20, 50, 60, 80, 150), "motor": (20, 60, 150)}
 BACKLASH = {"arm": (5,), "motor": (1, 5, 17, 30)}  # [mrad]
 GEAR_FREQUENCY = 150.0  # [Hz]
+# Delay and lag [ms] of late drives of the named rigs, and factors on their Coulomb friction.
+LATE = {(0, 20): (1,), (3, 10): (1,), (5, 10): (1, 0.3, 0.1, 0), (10, 15): (1, 0.3, 0.1, 0)}
 
 MOST_RIGS = 1_000_000
 # Streams of rigs to judge by and of rigs to train on.
@@ -74,39 +78,81 @@ def nominal_values(settings: Settings) -> PlantValues:
 def named_rigs(settings: Settings) -> list[SimulatedRig]:
     """The named rigs; factors apply to the plant of the settings.
 
-    Each states every value that any of them changes. The last one tests that compensation does no
-    harm.
+    Each states every value that any of them changes. Those without friction test that compensation
+    does no harm.
     """
     nominal = nominal_values(settings)
-
-    def scaled(factor: float, *names: str) -> PlantValues:
-        return {name: factor * nominal[name] for name in names}
-
-    levels = "friction.alpha0", "friction.alpha1"
+    scaled = partial(_scaled, nominal)
     changes: dict[str, PlantValues] = {
         "nominal": {},
-        "levels x 0.7": scaled(0.7, *levels),
-        "levels x 1.3": scaled(1.3, *levels),
+        "levels x 0.7": scaled(0.7, *_LEVELS),
+        "levels x 1.3": scaled(1.3, *_LEVELS),
         "sigma0 x 0.5": scaled(0.5, "friction.sigma0"),
         "sigma0 x 2": scaled(2.0, "friction.sigma0"),
         "sigma0 = 1000": {"friction.sigma0": 1000.0},
         "sigma0 = 10000": {"friction.sigma0": 10000.0},
-        "Coulomb, sticking": {"friction.law": "coulomb", "friction.alpha1": 0.0},
-        "stiction, sticking": {"friction.law": "stiction"},
+        "Coulomb, sticking": _coulomb(nominal),
+        "Coulomb x 0.1": _coulomb(nominal, 0.1),
+        "Coulomb x 3": _coulomb(nominal, 3),
+        "stiction, sticking": _friction(law="stiction"),
         "alpha1 = 0.2": {"friction.alpha1": 0.2},
-        "alpha1 = 0.2, sticking": {"friction.law": "stiction", "friction.alpha1": 0.2},
+        "alpha1 = 0.2, sticking": _friction(law="stiction", alpha1=0.2),
+        "Stribeck, alpha1 = 0.29": _friction(law="stribeck", alpha1=0.29, stribeck_velocity=0.02),
         "asymmetry 0.3": {"friction.asymmetry": 0.3},
         "levels ±30 %, 50 per turn": {
             "friction.variation.angle": 0.3,
             "friction.variation.angle_periods": 50,
         },
         "cogging 0.05 V": {"cogging.torque": 0.05},
-        "no friction": dict.fromkeys((*levels, "friction.viscous"), 0.0),
+        "no friction": dict.fromkeys((*_LEVELS, "friction.viscous"), 0.0),
     }
-    changes |= _couplings()
+    changes |= _couplings() | dict(_late(nominal)) | _sticking_couplings(nominal)
+    changes |= {
+        "tachometer off by 0.05 rad/s": {"sensor_faults.arm_speed_bias": 0.05},
+        "pendulum's joint 2 mV": {"pendulum_friction.coulomb": 0.002} | _coulomb(nominal),
+    }
     names = dict.fromkeys(name for change in changes.values() for name in change)
     unchanged = {name: nominal[name] for name in names}
     return [SimulatedRig(name, unchanged | change) for name, change in changes.items()]
+
+
+def _scaled(nominal: PlantValues, factor: float, *names: str) -> PlantValues:
+    return {name: factor * nominal[name] for name in names}
+
+
+def _coulomb(nominal: PlantValues, factor: float = 1.0) -> PlantValues:
+    """Friction that truly sticks, at a multiple of the nominal level."""
+    levels = _scaled(nominal, factor, "friction.alpha0", "friction.viscous")
+    return _friction(law="coulomb", alpha1=0.0) | levels
+
+
+def _friction(**values: float | str) -> PlantValues:
+    return {f"friction.{name}": value for name, value in values.items()}
+
+
+def _late(nominal: PlantValues) -> Iterator[tuple[str, PlantValues]]:
+    """Drives with delay and lag [ms], with Coulomb friction times a factor."""
+    for (delay, lag), factors in LATE.items():
+        samples = round(delay / 1000 / nominal["sample_time"])
+        drive = {"drive.delay": samples, "drive.lag": lag / 1000}
+        for factor in factors:
+            yield f"delay {delay} lag {lag}, x {factor}", drive | _coulomb(nominal, factor)
+
+
+def _sticking_couplings(nominal: PlantValues) -> dict[str, PlantValues]:
+    """Elastic couplings with friction that truly sticks, or with little."""
+    coulomb, without = _coulomb(nominal), _coulomb(nominal, 0)
+    stiction, little = _friction(law="stiction"), _scaled(nominal, 0.03, *_LEVELS)
+    belts = {f"belt {hz} Hz, Coulomb": _coupling(hz, "arm") | coulomb for hz in (20, 25, 50)}
+    return belts | {
+        "belt 30 Hz, stiction 0.2 V": _coupling(30, "arm") | _friction(law="stiction", alpha1=0.2),
+        "belt 50 Hz, motor, x 0.03": _coupling(50, "motor") | little,
+        "backlash 5 mrad, Coulomb": _coupling(100, "arm", backlash=0.005) | coulomb,
+        "backlash 5 mrad, stiction": _coupling(80, "arm", backlash=0.005) | stiction,
+        "backlash 5 mrad, no friction": _coupling(100, "arm", backlash=0.005) | without,
+        "backlash 17, arm, Coulomb": _coupling(100, "arm", backlash=0.017) | coulomb,
+        "backlash 17, motor, Coulomb": _coupling(100, "motor", backlash=0.017) | coulomb,
+    }
 
 
 def _couplings() -> dict[str, PlantValues]:
