@@ -9,7 +9,7 @@ from furuta.outcomes import outcome
 from furuta.settings.nodes import NODES
 from furuta.settings.settings import default_settings, load_settings, loop
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
-from furuta.studies.comparison.comparison import Comparison
+from furuta.studies.comparison.comparison import Comparison, sensors_alone
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     FRICTION_ERROR,
@@ -30,6 +30,7 @@ ALL = DISTURBANCES
 # What a rig file states: a level and a stiffness that go together.
 STATED = Uncertainty(("alpha0", "sigma0"), np.array([[0.02**2, 0.004], [0.004, 0.3**2]]))
 LEVEL = "friction.alpha0"
+RIGS = list(RandomRigs(SETTINGS, 2))
 
 
 def test_named_rigs_change_the_plant() -> None:
@@ -102,19 +103,46 @@ def test_rigs_are_as_uncertain_as_a_rig_file_says() -> None:
 def test_rows_are_those_of_single_runs() -> None:
     """Pushes are in the rows; only the plant differs from the candidate's loop."""
     candidates = parse_candidates(["none", "coulomb"], SETTINGS)
-    rigs = list(RandomRigs(SETTINGS, 2))
-    comparison = Comparison(SETTINGS, rigs, candidates, 5.0, (3.0,))
+    comparison = Comparison(SETTINGS, RIGS, candidates, 5.0, (3.0,))
     rows = list(comparison.rows())
     assert len(rows) == comparison.size == 8
     assert [row["push_v"] for row in rows[:3]] == [0.0, 3.0, 0.0]
     assert rows[6]["candidate"] == "coulomb"
-    plant = rigs[1].plant(SETTINGS)
+    plant = RIGS[1].plant(SETTINGS)
     alone = outcome(loop(candidates[1].applied_to(SETTINGS))._replace(plant=plant), 5.0)
     assert rows[6].items() >= alone._asdict().items()
     table = comparison.table()
     sizes = [row["phi_peak_to_peak_rad"] for row in rows]
     assert table.residual.T.ravel().tolist() == sizes[::2]
     assert table.survived.shape == (2, 2, 1)
+
+
+@pytest.mark.parametrize("names", [["coulomb"], ["coulomb", "none"]])
+def test_reference_is_without_any_compensation(names: list[str]) -> None:
+    """It makes no row unless it is a candidate, and has none of what the settings add."""
+    settings = load_settings([], ["super_twisting=10.0"])
+    texts = ["off=compensation=none,super_twisting=0.0", "coulomb=strength=0.0"]
+    comparison = Comparison(settings, RIGS, parse_candidates(names, settings), 5.0)
+    assert [row["candidate"] for row in comparison.rows()] == 2 * names
+    table = comparison.table()
+    alone = Comparison(settings, RIGS, parse_candidates(texts, settings), 5.0)
+    assert len(list(alone.rows())) == 4
+    off, weak = alone.table().residual
+    assert table.uncompensated.tolist() == off.tolist() == weak.tolist()
+    assert max(table.residual[0] / off) < 0.5
+
+
+def test_sensors_alone_move_the_arm() -> None:
+    """Whatever the friction and the compensation, and further with coarser sensors."""
+    plain, rough, coarse = (
+        sensors_alone(loop(load_settings([], assignments)))
+        for assignments in (
+            [],
+            ["plant.friction.alpha0=2", "compensation=coulomb", "super_twisting=10"],
+            ["potentiometer_noise=0.004"],
+        )
+    )
+    assert 0.001 < plain == rough < 0.01 < coarse
 
 
 def test_impossible_rigs_are_left_out() -> None:

@@ -1,17 +1,20 @@
 """Scores of a comparison."""
 
-from math import inf
+from math import inf, nan
 
 import numpy as np
+import pytest
 
+from furuta.studies.comparison.candidates import STRENGTHS
 from furuta.studies.comparison.comparison import Table
-from furuta.studies.comparison.scores import rank, recommended
+from furuta.studies.comparison.scores import best_strengths, rank, recommended
 
 
 def table(
     sizes: dict[str, list[float]],
     survived: dict[str, list[bool]] | None = None,
     step: float | np.ndarray = 0.005,
+    uncompensated: tuple[float, ...] | float = 0.5,
 ) -> Table:
     """The table of candidates with these residuals and steps, and with one push per rig."""
     residual = np.array(list(sizes.values()))
@@ -24,7 +27,9 @@ def table(
         np.broadcast_to(step, residual.T.shape).T,
         np.full(residual.shape, 0.01),
         np.array(pushes, bool) if pushes else np.empty((*residual.shape, 0), bool),
+        np.broadcast_to(uncompensated, residual[0].shape),
         len(sizes) * [0.05],
+        len(sizes) * [0.002],
     )
 
 
@@ -52,3 +57,23 @@ def test_the_smoothest_of_the_accurate_is_recommended() -> None:
     best = {count: recommended(scores, count) for count in (0.0, 0.025, 0.04)}
     found = {count: score.candidate for count, score in best.items() if score}
     assert found == {0.0: "fine", 0.025: "smooth", 0.04: "coarse"}
+
+
+def test_worse_than_none() -> None:
+    """By more than a count; falling as none does is not worse, and the smallest ratio is nan."""
+    sizes = {"all": [0.1, 0.02, inf], "falls": [0.5, inf, 0.1], "never": [0.024, 0.025, inf]}
+    scores = rank(table(sizes, uncompensated=(0.05, 0.0, inf)), 0.025)
+    found = {score.candidate: (score.worse_than_none, score.worst_ratio) for score in scores}
+    assert found["all"] == (1, 2.0)
+    assert found["falls"] == (2, inf)
+    assert found["never"] == (0, pytest.approx(nan, nan_ok=True))
+    assert {score.sensors_alone_rad for score in scores} == {0.002}
+
+
+def test_best_strength_of_each_rig() -> None:
+    """The one with the smallest residual, and none where the pendulum always falls."""
+    sizes = {f"{k:g}": [0.5 - 0.1 * k, 0.01 + 0.1 * k, inf] for k in STRENGTHS}
+    found = best_strengths(table(sizes))
+    assert [row["best_strength"] for row in found] == pytest.approx([2.0, 0.0, nan], nan_ok=True)
+    assert found[0] == {"rig": "0", "best_strength": 2.0, "residual_at_best_rad": 0.3}
+    assert found[2]["residual_at_best_rad"] == inf

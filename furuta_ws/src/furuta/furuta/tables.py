@@ -122,8 +122,9 @@ def compare(
         by_run: Return a row per run instead.
 
     Returns:
-        A row per candidate, from the best to the worst: residuals, falls, commands, delay margin,
-        and which one is ``recommended``. Or a row per run: rig, candidate, push, parameters of the
+        A row per candidate, from the best to the worst: residuals, on how many rigs they are worse
+        than without compensation, what the sensors alone cause, falls, commands, delay margin, and
+        which one is ``recommended``. Or a row per run: rig, candidate, push, parameters of the
         plant, and what :func:`furuta.measure` returns.
 
     Raises:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
 from furuta.settings.settings import load_settings, loop
-from furuta.studies.comparison.candidates import STANDARD, parse_candidates
+from furuta.studies.comparison.candidates import STANDARD, parse_candidates, strength_candidates
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     MOST_RIGS,
@@ -47,6 +47,9 @@ HEADINGS = {
     "residual_95_rad": "95 %",
     "residual_worst_rad": "worst",
     "within_count": "within",
+    "worse_than_none": "worse",
+    "worst_ratio": "ratio",
+    "sensors_alone_rad": "sensors",
     "falls": "falls",
     "command_rms_v": "rms u",
     "command_step_v": "rms Δu",
@@ -54,6 +57,8 @@ HEADINGS = {
     "delay_margin_s": "delay [s]",
     "pushes_survived": "pushes",
 }
+BY_RIG = "arm, peak to peak [rad], by rig; –: the pendulum falls"
+BEST = {"best_strength": "best strength", "residual_at_best_rad": "with it"}
 
 
 @click.command()
@@ -72,6 +77,8 @@ HEADINGS = {
     "(default: all of these).")  # fmt: skip
 @option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
     help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.")  # fmt: skip
+@option("--strengths", is_flag=True,
+    help="Find the recommended setting's best strength on each rig, as --truths does.")  # fmt: skip
 @option("--seconds", type=MEASURED_SECONDS, default=30.0,
     help="Simulated time of each run [s]; its second half is measured.")  # fmt: skip
 @option("--out", type=OutputFile(*TABLE_SUFFIXES, *FIGURE_SUFFIXES),
@@ -89,6 +96,7 @@ def command(
     assignments: tuple[str, ...],
     texts: tuple[str, ...],
     pushes: tuple[float, ...],
+    strengths: bool,
     seconds: float,
     out: Path | None,
     as_json: bool,
@@ -102,7 +110,7 @@ def command(
     --truths, and drawn from the uncertainty in its file with --rig.
     """
     from furuta.studies.comparison.comparison import Comparison, encoder_resolution
-    from furuta.studies.comparison.scores import comparison_report, rank
+    from furuta.studies.comparison.scores import best_strengths, comparison_report, rank
     from furuta.studies.study_tables import check_table, write_runs
     from furuta_bringup.printing import print_table, with_progress
 
@@ -128,37 +136,44 @@ def command(
 
         draw_comparison(outcome, [score.candidate for score in scores], count, out)
     report = comparison_report(outcome, scores, count, by_rig=truths)
+    if truths or strengths:
+        scaled = Comparison(settings, chosen, strength_candidates(settings), seconds)
+        runs = with_progress("strengths", scaled.rows(), scaled.size, quiet=as_json)
+        deque(runs, maxlen=0)
+        report["best_strengths"] = best_strengths(scaled.table())
     report["impossible"] = len(comparison.impossible)
     chosen_settings = {each.name: each.settings for each in candidates}
     report["recommended_settings"] = chosen_settings.get(report["recommended"], {})
     if as_json:
         print_json(report)
         return
-    if truths:
-        _print_truths(outcome)
+    if truths or strengths:
+        _print_rigs(outcome, report["best_strengths"], with_candidates=truths)
     title = (
         f"arm, peak to peak [rad], over {report['rigs']} rigs; fraction within one count, which is "
-        f"{count:.4f} rad; rms of u, of its steps and above 50 Hz [V]; delay and pushes survived"
+        f"{count:.4f} rad; rigs that are worse by more than a count than without compensation, and "
+        "the worst ratio; sensors alone; rms of u, of its steps and above 50 Hz [V]; delay and "
+        "pushes survived"
     )
     print_table(title, report["ranking"], HEADINGS)
     last = ("impossible", "recommended_settings", "recommended")
     show({name: report[name] for name in last}, as_json)
 
 
-def _print_truths(table: Table) -> None:
-    """Print the residual of each candidate on each rig, some candidates at a time."""
+def _print_rigs(table: Table, best: list[dict[str, Any]], with_candidates: bool) -> None:
+    """Print what is known of each rig, some columns at a time: residuals, best strength."""
     from furuta_bringup.printing import console, print_table
 
-    rigs = zip(table.rigs, table.residual.T, strict=True)
+    candidates = table.candidates if with_candidates else []
     rows = [
-        {"rig": rig, **dict(zip(table.candidates, map(float, sizes), strict=True))}
-        for rig, sizes in rigs
+        strength | dict(zip(candidates, map(float, sizes), strict=False))
+        for strength, sizes in zip(best, table.residual.T, strict=True)
     ]
+    headings = {name: name.replace("_", " ") for name in candidates} | BEST
     columns = max(1, (console().width - RIG_WIDTH) // CANDIDATE_WIDTH)
-    for first in range(0, len(table.candidates), columns):
-        names = table.candidates[first : first + columns]
-        headings = {"rig": "rig"} | {name: name.replace("_", " ") for name in names}
-        print_table("arm, peak to peak [rad], by rig; –: the pendulum falls", rows, headings)
+    for first in range(0, len(headings), columns):
+        some = dict(list(headings.items())[first : first + columns])
+        print_table(BY_RIG, rows, {"rig": "rig", **some})
 
 
 def _reject_random_options(ctx: click.Context) -> None:

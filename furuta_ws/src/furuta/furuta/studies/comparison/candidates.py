@@ -57,6 +57,16 @@ STANDARD = {name: _standard(name) for name in COMPENSATIONS} | {
     RECOMMENDED: {},
     "dither": _standard("none", **_DITHER),
 }
+# Without any compensation, whatever the settings add to it.
+UNCOMPENSATED = Candidate("uncompensated", _standard("none", super_twisting=0.0))
+# Strengths of the recommended setting, among which the best one of a rig is searched.
+STRENGTHS = (0.0, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0)
+
+
+def strength_candidates(settings: Settings) -> tuple[Candidate, ...]:
+    """The recommended setting with each of :data:`STRENGTHS`."""
+    values = recommended_values(loop(settings))
+    return tuple(Candidate(f"{k:g}", values | {"controller.strength": k}) for k in STRENGTHS)
 
 
 def parse_candidates(texts: Iterable[str], settings: Settings) -> tuple[Candidate, ...]:

@@ -3,6 +3,7 @@
 from array import array
 from collections import deque
 from collections.abc import Iterable, Iterator
+from itertools import zip_longest
 from math import inf
 from typing import Any, NamedTuple
 
@@ -11,12 +12,13 @@ import numpy as np
 from furuta.lanes.batch import batch
 from furuta.outcomes import Outcome, outcome
 from furuta.settings.settings import Settings, loop
-from furuta.studies.comparison.candidates import Candidate
+from furuta.studies.comparison.candidates import UNCOMPENSATED, Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, validated
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.plant_memory import MAX_DELAY
-from furuta_sim.parameters import PlantParameters
+from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
 
 # Duration of a push on the arm [s].
@@ -25,14 +27,17 @@ PUSH_DURATION = 0.1
 MEASURED = 4
 # Time [s] in which a pendulum falls if the delay is too long.
 DELAYED_SECONDS = 10.0
+# Time [s] in which the arm settles at what the sensors cause.
+SENSED_SECONDS = 40.0
 
 
 class Table(NamedTuple):
     """Residuals [rad] and commands [V] (candidates, rigs), and which pushes were survived.
 
     The residual of a rig is the arm angle, peak to peak, and infinite after a fall. ``command`` is
-    the rms value, ``step`` and ``fast`` those of its chatter. ``delay`` [s] is the delay margin of
-    each candidate on the nominal rig.
+    the rms value, ``step`` and ``fast`` those of its chatter. ``uncompensated`` (rigs,) is the
+    residual without compensation. On the nominal rig ``delay`` [s] is the delay margin of each
+    candidate, and ``sensors`` [rad] the residual that the sensors alone cause.
     """
 
     candidates: list[str]
@@ -42,7 +47,9 @@ class Table(NamedTuple):
     step: np.ndarray
     fast: np.ndarray
     survived: np.ndarray
+    uncompensated: np.ndarray
     delay: list[float]
+    sensors: list[float]
 
 
 class Comparison:
@@ -65,9 +72,11 @@ class Comparison:
         self.impossible: dict[str, str] = {}
         self._settings = settings
         self._rigs = rigs
-        self._controls = {
-            candidate.name: loop(candidate.applied_to(settings)) for candidate in candidates
-        }
+        self._names = [candidate.name for candidate in candidates]
+        controls = [loop(each.applied_to(settings)) for each in (*candidates, UNCOMPENSATED)]
+        # It runs on its own unless a candidate is the same.
+        self._uncompensated = controls.index(controls[-1])
+        self._controls = controls[: max(self._uncompensated + 1, len(candidates))]
         self._seconds = seconds
         self._pushes = [push for push in dict.fromkeys(pushes) if push]
         self._simulated: list[str] = []
@@ -76,7 +85,7 @@ class Comparison:
     @property
     def size(self) -> int:
         """The number of runs."""
-        return len(self._rigs) * len(self._controls) * (1 + len(self._pushes))
+        return len(self._rigs) * len(self._names) * (1 + len(self._pushes))
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Run everything; yields a row per run: rig, candidate, push and outcome."""
@@ -90,19 +99,24 @@ class Comparison:
                     run.command_high_frequency_v,
                 )
             )
-            yield waiting.popleft() | run._asdict()
+            if row := waiting.popleft():
+                yield row | run._asdict()
         if not self._simulated:
             raise ParameterError(f"no rig is possible: {next(iter(self.impossible.values()))}")
 
     def table(self) -> Table:
         """What the rows say, once all of them have been taken."""
         shape = len(self._simulated), len(self._controls), 1 + len(self._pushes), MEASURED
-        sizes, *commands = np.reshape(self._measured, shape).transpose(3, 1, 0, 2)
+        measured = np.reshape(self._measured, shape).transpose(3, 1, 0, 2)
+        sizes, *commands = measured[:, : len(self._names)]
         rms, step, fast = (each[:, :, 0] for each in commands)
         survived = np.isfinite(sizes[:, :, 1:])
-        names = list(self._controls)
-        delays = [delay_margin(control) for control in self._controls.values()]
-        return Table(names, self._simulated, sizes[:, :, 0], rms, step, fast, survived, delays)
+        uncompensated = measured[0, self._uncompensated, :, 0]
+        controls = self._controls[: len(self._names)]
+        return Table(
+            *(self._names, self._simulated, sizes[:, :, 0], rms, step, fast, survived),
+            *(uncompensated, list(map(delay_margin, controls)), list(map(sensors_alone, controls))),
+        )
 
     def _loops(self, waiting: deque[dict[str, Any]]) -> Iterator[Loop]:
         """The loop of every run; the beginning of its row is appended to ``waiting``."""
@@ -114,10 +128,10 @@ class Comparison:
                 continue
             self._simulated.append(rig.name)
             numbers = {k: value for k, value in rig.values.items() if not isinstance(value, list)}
-            for candidate, control in self._controls.items():
+            for candidate, control in zip_longest(self._names, self._controls):
                 for push, plant in plants:
                     run = {"rig": rig.name, "candidate": candidate, "push_v": push}
-                    waiting.append(run | numbers)
+                    waiting.append({} if candidate is None else run | numbers)
                     yield control._replace(plant=plant)
 
     def _pushed(self, plant: PlantParameters) -> Iterator[tuple[float, PlantParameters]]:
@@ -143,6 +157,14 @@ def delay_margin(control: Loop) -> float:
         else:
             stands = delay
     return max(stands, 0) * plant.sample_time
+
+
+def sensors_alone(control: Loop) -> float:
+    """The residual [rad] of the nominal rig with neither friction nor compensation."""
+    without = PlantFriction("coulomb", Friction(alpha0=0.0, alpha1=0.0))
+    plant = control.plant._replace(friction=without)
+    controller = control.controller._replace(strength=0.0)
+    return residual(outcome(control._replace(plant=plant, controller=controller), SENSED_SECONDS))
 
 
 def residual(run: Outcome) -> float:

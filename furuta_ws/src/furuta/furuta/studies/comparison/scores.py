@@ -1,16 +1,21 @@
 """Scores of a comparison: the candidates over all rigs, and which one is recommended."""
 
+from math import nan
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.studies.comparison.candidates import STRENGTHS
 from furuta.studies.comparison.comparison import Table
 
 
 class Score(NamedTuple):
     """A candidate over all rigs.
 
-    ``within_count`` is the fraction of the rigs whose residual is at most one count of the encoder.
+    ``within_count`` is the fraction of the rigs whose residual is at most one count of the encoder,
+    and ``worse_than_none`` the number of those where it is larger by more than a count than without
+    compensation, at most ``worst_ratio`` times as large (NaN if there are none).
+    ``sensors_alone_rad`` is the residual of the nominal rig without friction and compensation.
     Commands are medians over the rigs.
     """
 
@@ -20,6 +25,9 @@ class Score(NamedTuple):
     residual_95_rad: float
     residual_worst_rad: float
     within_count: float
+    worse_than_none: int
+    worst_ratio: float
+    sensors_alone_rad: float
     falls: int
     command_rms_v: float
     command_step_v: float
@@ -67,10 +75,21 @@ def comparison_report(
     return report
 
 
+def best_strengths(table: Table) -> list[dict[str, Any]]:
+    """The best of :data:`STRENGTHS`, the candidates, on each rig; NaN if it falls with all."""
+    sizes, names = table.residual.min(axis=0), ("rig", "best_strength", "residual_at_best_rad")
+    best = np.where(np.isinf(sizes), nan, np.array(STRENGTHS)[table.residual.argmin(axis=0)])
+    rows = zip(table.rigs, best.tolist(), sizes.tolist(), strict=True)
+    return [dict(zip(names, row, strict=True)) for row in rows]
+
+
 def _score(table: Table, k: int, encoder_count: float) -> Score:
     residual, survived = table.residual[k], table.survived[k]
     median, high = np.quantile(residual, [0.5, 0.95], method="inverted_cdf").tolist()
     falls = np.isinf(residual)
+    worse = residual > table.uncompensated + encoder_count
+    with np.errstate(divide="ignore"):
+        ratios = residual[worse] / table.uncompensated[worse]
     return Score(
         table.candidates[k],
         len(table.rigs),
@@ -78,6 +97,9 @@ def _score(table: Table, k: int, encoder_count: float) -> Score:
         high,
         float(residual.max()),
         int((residual <= encoder_count).sum()) / len(residual),
+        len(ratios),
+        float(ratios.max()) if len(ratios) else nan,
+        table.sensors[k],
         int(falls.sum()),
         float(np.median(table.command[k])),
         float(np.median(table.step[k])),
