@@ -9,7 +9,7 @@ from furuta.outcomes import outcome
 from furuta.settings.nodes import NODES
 from furuta.settings.settings import default_settings, load_settings, loop
 from furuta.studies.comparison.candidates import STANDARD, parse_candidates
-from furuta.studies.comparison.comparison import Comparison, sensors_alone
+from furuta.studies.comparison.comparison import Comparison
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     FRICTION_ERROR,
@@ -130,19 +130,6 @@ def test_reference_is_without_any_compensation(names: list[str]) -> None:
     off, weak = alone.table().residual
     assert table.uncompensated.tolist() == off.tolist() == weak.tolist()
     assert max(table.residual[0] / off) < 0.5
-
-
-def test_sensors_alone_move_the_arm() -> None:
-    """Whatever the friction and the compensation, and further with coarser sensors."""
-    plain, rough, coarse = (
-        sensors_alone(loop(load_settings([], assignments)))
-        for assignments in (
-            [],
-            ["plant.friction.alpha0=2", "compensation=coulomb", "super_twisting=10"],
-            ["potentiometer_noise=0.004"],
-        )
-    )
-    assert 0.001 < plain == rough < 0.01 < coarse
 
 
 def test_impossible_rigs_are_left_out() -> None:

@@ -10,15 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.lanes.batch import batch
-from furuta.outcomes import Outcome, outcome
+from furuta.outcomes import Outcome, outcome, sensors_alone
 from furuta.settings.settings import Settings, loop
 from furuta.studies.comparison.candidates import UNCOMPENSATED, Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
-from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, validated
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.parts.plant_memory import MAX_DELAY
-from furuta_sim.parameters import PlantFriction, PlantParameters
+from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
 
 # Duration of a push on the arm [s].
@@ -27,8 +26,6 @@ PUSH_DURATION = 0.1
 MEASURED = 4
 # Time [s] in which a pendulum falls if the delay is too long.
 DELAYED_SECONDS = 10.0
-# Time [s] in which the arm settles at what the sensors cause.
-SENSED_SECONDS = 40.0
 
 
 class Table(NamedTuple):
@@ -157,14 +154,6 @@ def delay_margin(control: Loop) -> float:
         else:
             stands = delay
     return max(stands, 0) * plant.sample_time
-
-
-def sensors_alone(control: Loop) -> float:
-    """The residual [rad] of the nominal rig with neither friction nor compensation."""
-    without = PlantFriction("coulomb", Friction(alpha0=0.0, alpha1=0.0))
-    plant = control.plant._replace(friction=without)
-    controller = control.controller._replace(strength=0.0)
-    return residual(outcome(control._replace(plant=plant, controller=controller), SENSED_SECONDS))
 
 
 def residual(run: Outcome) -> float:
