@@ -6,7 +6,7 @@ peak, which a real rig provides too.
 
 1. The motion is measured as it is, and without compensation. While the arm slides then, the
    estimator observes the friction's level.
-2. Each compensation starts from this level. While the swing is beyond four counts of the encoder,
+2. Each compensation starts from this level. While the swing is beyond eight counts of the encoder,
    its scale changes by factors of four, because the minimum can lie behind a hill. Then it changes
    by factors of two and less. Once the swing is small enough, by default
    a count, the search ends.
@@ -50,7 +50,7 @@ ProgressCallback = Callable[[str, float], None]
 NONE, AS_IT_IS = "none", "as it is"
 # Swing [counts] from which the scale changes coarsely; the factors. One count without quantisation
 # [rad].
-FAR = 4.0
+FAR = 8.0
 COARSE, FINE = (1 / 4, 1 / 16, 4.0), (2.0, sqrt(2.0))
 SMALLEST_COUNT = 1e-3
 # Swing without compensation that shows the friction [rad].
@@ -173,7 +173,7 @@ class SimulatedLoop:
         return self._simulation.run(seconds).estimate
 
 
-RESTORED = "the initial parameters are restored"
+RESTORED = "the initial parameters are restored; begin with another strength"
 
 
 class GuardError(ParameterError):
