@@ -6,7 +6,7 @@ peak, which a real rig provides too.
 
 1. The motion is measured as it is, and without compensation. While the arm slides then, the
    estimator observes the friction's level.
-2. Each compensation starts from this level. While the swing is beyond eight counts of the encoder,
+2. Each compensation starts from this level. While the swing is beyond four counts of the encoder,
    its scale changes by factors of four, because the minimum can lie behind a hill. Then it changes
    by factors of two and less. Once the swing is small enough, by default
    a count, the search ends.
@@ -50,7 +50,7 @@ ProgressCallback = Callable[[str, float], None]
 NONE, AS_IT_IS = "none", "as it is"
 # Swing [counts] from which the scale changes coarsely; the factors. One count without quantisation
 # [rad].
-FAR = 8.0
+FAR = 4.0
 COARSE, FINE = (1 / 4, 1 / 16, 4.0), (2.0, sqrt(2.0))
 SMALLEST_COUNT = 1e-3
 # Swing without compensation that shows the friction [rad].
@@ -232,11 +232,11 @@ class Tuner:
         self._advance(STARTING)
         before = self._try(self._as_it_is)
         if RECOMMENDED in self._plan.compensations:
-            self._try_scale(RECOMMENDED, 1.0 if before.swing == inf else before.scale)
-            self._try_scale(RECOMMENDED, 0.5 * self._best().scale)
+            self._try_scale(RECOMMENDED, 1.0 if before.swing == inf else before.scale or 1.0)
+            self._try_scale(RECOMMENDED, 0.5 * self._best(RECOMMENDED).scale)
         # Where half of it is much worse, as on an elastic arm, none could let the pendulum fall.
-        none_is_safe = self._enough < self._best().swing and self._trials[-1].is_inside
-        if none_is_safe and self._has_time(2.0 * MEASURING):
+        needed = self._best().swing > self._enough and before.name != NONE
+        if needed and self._trials[-1].is_inside and self._has_time(2.0 * MEASURING):
             self._try(self._candidate(NONE, 0.0))
         for name in self._plan.compensations:
             self._search(name, self._level if name == RECOMMENDED else 1.0)
@@ -261,6 +261,8 @@ class Tuner:
     @property
     def _as_it_is(self) -> Trial:
         """The initial parameters."""
+        if self._start.observer.compensation == NONE and not self._start.controller.super_twisting:
+            return Trial(NONE, 0.0, self._start)
         if is_twisting(self._start):
             return Trial(RECOMMENDED, self._start.controller.strength, self._start)
         return Trial(AS_IT_IS, 1.0, self._start)
@@ -376,7 +378,7 @@ class Tuner:
         if trial.name == NONE:
             self._known = observed_friction(np.concatenate(seen), self._known)
         swing = swing_of(seen) if inside else inf
-        return trial._replace(swing=swing, given_up=grown < swing < inf)
+        return trial._replace(swing=swing, given_up=bool(grown < swing < inf))
 
     def _watch(self, seconds: float, grown: float, seen: list[np.ndarray]) -> bool:
         """Append estimates to ``seen`` until it has ``grown``; whether it is inside the guard."""
@@ -422,7 +424,7 @@ def is_twisting(compensation: Compensation) -> bool:
 def swing_of(estimates: list[np.ndarray]) -> float:
     """The arm's angle in all parts, peak to peak [rad]."""
     angles = [part[:, PHI] for part in estimates]
-    return max(each.max() for each in angles) - min(each.min() for each in angles)
+    return float(max(map(np.max, angles)) - min(map(np.min, angles)))
 
 
 def observed_friction(estimates: np.ndarray, known: Friction) -> Friction:

@@ -33,6 +33,9 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 POLE_PLACEMENT = (0.0,)
 # Time constant with which the strength follows its parameter [s], so that u does not jump.
 STRENGTH_TIME = 0.1
+# Largest integral of super-twisting [s], relative to its gain: with the recommended gain, twice the
+# highest level of friction. Without a limit it is integral action, which lets the pendulum fall.
+INTEGRAL_LIMIT = 2.0 / 43.0
 # Strength before the first sample, and that below which super-twisting rests.
 UNKNOWN, LEAST_STRENGTH = -1.0, 1e-3
 
@@ -62,7 +65,7 @@ class Balance(NamedTuple):
     """Gain L of u = −Lx [V per unit of state], and when balancing stops and starts.
 
     Angles [rad], speeds [rad/s], number of samples. ``integral_share`` is the sample time over the
-    integral time, 0 without integral action; ``voltage_limit`` [V] is that of the command.
+    integral time, 0 without integral action; ``integral_limit`` [V] is that of super-twisting.
     ``strength_share`` is the part of a change of the strength that a sample makes.
     """
 
@@ -82,7 +85,7 @@ class Balance(NamedTuple):
     strength: float
     strength_share: float
     super_twisting: SuperTwisting
-    voltage_limit: float
+    integral_limit: float
 
 
 @designed_once
@@ -114,7 +117,7 @@ def design(p: Any) -> Balance:
             gain,
             p.sample_time,
         ),
-        voltage_limit=p.voltage_limit,
+        integral_limit=min(p.voltage_limit, INTEGRAL_LIMIT * p.super_twisting),
     )
 
 
@@ -200,7 +203,7 @@ def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -
         memory.super_twisting.started = False
     elif p.super_twisting.rate_bound > 0.0:
         u += super_twisting.correction(
-            memory.super_twisting, x, error, memory.strength, p.voltage_limit, p.super_twisting
+            memory.super_twisting, x, error, memory.strength, p.integral_limit, p.super_twisting
         )
     return u
 
