@@ -1,126 +1,247 @@
-"""The friction fit is accurate; tuning finds good parameters, is safe, and keeps its time."""
+"""Tuning sees the friction, finds a smaller swing, is safe, keeps its time, and follows the rig."""
+
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
 
-from furuta.studies.tuning.observed_friction import fit_friction
-from furuta.studies.tuning.plan import RIVALS, TuningPlan
-from furuta.studies.tuning.tuning import GuardError, SimulatedLoop, tune
-from furuta_control.estimation import EstimatorParameters
-from furuta_control.estimators.kalman import sample_kalman
-from furuta_friction.compensation import ObserverParameters
+from furuta.outcomes import outcome
+from furuta.settings.settings import load_settings, loop
+from furuta.studies.tuning import (
+    Compensation,
+    GuardError,
+    ProgressCallback,
+    SimulatedLoop,
+    TuningResult,
+    observed_friction,
+    tune,
+    tune_simulated,
+)
+from furuta.studies.tuning_plan import LEAST_SECONDS, TuningPlan
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError
-from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.simulation.closed_loop import Loop, Simulation
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
-NOMINAL = Friction()
-STEP = sample_kalman(EstimatorParameters().rig, EstimatorParameters().parts.kalman)
-# The motor of Fig. 6 with other friction than the compensator's default.
-OTHER = Friction(alpha0=0.26, alpha1=0.03, asymmetry=0.12)
-
-
-def plant(friction: Friction, seed: int) -> PlantParameters:
-    """A rig with this friction."""
-    return PlantParameters(friction=PlantFriction(parameters=friction), seed=seed)
+ENCODER_COUNT = 2.0 * np.pi / 250
+TWISTING = "compensation=lugre", "super_twisting=10", "super_twisting_bandwidth=80"
+RECOMMENDED = "compensation=recommended"
+LATE = "drive.delay=10", "drive.lag=0.015"
+NO_FRICTION = "plant.friction.alpha0=0", "plant.friction.alpha1=0"
 
 
-def scaled(factor: float, friction: Friction = NOMINAL) -> Friction:
-    """All of LuGre's five parameters wrong by a factor."""
-    five = ("sigma0", "sigma1", "alpha0", "alpha1", "stribeck_velocity")
-    return friction._replace(**{name: factor * getattr(friction, name) for name in five})
+def level(factor: float) -> tuple[str, ...]:
+    """Coulomb friction, relative to the level that the observer knows."""
+    return "friction.law=coulomb", f"plant.friction.alpha0={0.21 * factor}"
 
 
-def test_friction_is_identified_from_the_limit_cycle() -> None:
-    """Twelve seconds without compensation determine the friction from a start 30 % off."""
-    true = OTHER._replace(sigma0=150.0, sigma1=3.0, viscous=0.05)
-    simulation = Simulation(Loop(plant(true, 31)))
-    simulation.run(3.0)
-    found = fit_friction(simulation.run(12.0).estimate, STEP, 1e-3, scaled(0.7))
-    assert found.alpha0 == pytest.approx(true.alpha0, rel=0.01)
-    assert found.asymmetry == pytest.approx(true.asymmetry, abs=0.01)
-    assert found.viscous == pytest.approx(true.viscous, abs=0.005)
-    assert found.sigma0 == pytest.approx(true.sigma0, rel=0.1)
-    assert found.sigma1 == pytest.approx(true.sigma1, rel=0.3)
-    assert found.alpha0 + found.alpha1 == pytest.approx(true.alpha0 + true.alpha1, rel=0.1)
+def loop_with(*assignments: str) -> Loop:
+    """A loop with these settings."""
+    return loop(load_settings([], assignments))
 
 
-def test_a_fit_needs_observed_friction() -> None:
-    resting = np.zeros((12_000, 5))
-    with pytest.raises(ParameterError, match="hardly moved"):
-        fit_friction(resting, STEP, 1e-3, NOMINAL)
-    resting[:, 4] = np.nan
-    with pytest.raises(ParameterError, match="observes no friction"):
-        fit_friction(resting, STEP, 1e-3, NOMINAL)
+def silent(message: str, seconds: float) -> None:
+    """Ignore progress."""
 
 
-class DangerousRig:
-    """A rig that runs away with a large sigma1 and records the parameters that were applied."""
+def tuned(
+    rig: SimulatedLoop,
+    true: Loop,
+    follow: float = 0.0,
+    report: ProgressCallback = silent,
+) -> TuningResult:
+    """Tune a rig."""
+    start = Compensation(true.observer, true.controller)
+    return tune(rig, start, true.estimator, TuningPlan(), report, follow)
 
-    def __init__(self, dangerous: float) -> None:
-        self.applied: list[ObserverParameters] = []
-        self.dangerous = dangerous
-        self._rig = SimulatedLoop(Loop(PlantParameters(seed=34)))
 
-    def apply(self, observer: ObserverParameters) -> None:
+def swing(true: Loop, result: TuningResult) -> float:
+    """The true swing with the result [rad]; infinite after a fall."""
+    run = outcome(true._replace(**result.after.compensation._asdict()), 60.0)
+    return np.inf if run.fell else run.phi_peak_to_peak_rad
+
+
+@pytest.mark.parametrize(("alpha0", "asymmetry"), [(0.26, 0.12), (0.1, 0.0), (0.3, -0.2)])
+def test_the_friction_is_observed(alpha0: float, asymmetry: float) -> None:
+    """Level to 2 %, asymmetry to 0.02; α₁ changes with α₀."""
+    given = f"plant.friction.alpha0={alpha0}", f"plant.friction.asymmetry={asymmetry}"
+    run = simulate(loop_with(*given, "friction.law=coulomb", "plant.seed=31"), 12.0)
+    found = observed_friction(run.estimate[4000:], Friction(alpha0=0.2, alpha1=0.05))
+    assert found.alpha0 == pytest.approx(alpha0, rel=0.02)
+    assert found.asymmetry == pytest.approx(asymmetry, abs=0.02)
+    assert found.alpha1 / found.alpha0 == pytest.approx(0.25)
+
+
+def test_no_friction_is_observed_where_none_shows() -> None:
+    """At rest, with one direction, without an observation, and where it drives the arm."""
+    estimates, known = np.zeros((12_000, 5)), Friction()
+    assert observed_friction(estimates, known) == known
+    estimates[:, 1], estimates[:, 4] = 1.0, 0.3
+    assert observed_friction(estimates, known) == known
+    estimates[::2, 1] = -1.0
+    for observed in (np.full(12_000, np.nan), -0.3 * estimates[:, 1]):
+        estimates[:, 4] = observed
+        assert observed_friction(estimates, known) == known
+    estimates[:, 4] = 0.3 * estimates[:, 1]
+    assert observed_friction(estimates, known).alpha0 == pytest.approx(0.3)
+
+
+class DangerousRig(SimulatedLoop):
+    """A rig that runs away with some strengths and records what is applied."""
+
+    def __init__(self, true: Loop, dangerous: Callable[[float], bool], angle: int) -> None:
+        super().__init__(true)
+        self.applied = [Compensation(true.observer, true.controller)]
+        self._dangerous, self._angle = dangerous, angle
+
+    def apply(self, compensation: Compensation) -> None:
         """Record and apply."""
-        self.applied.append(observer)
-        self._rig.apply(observer)
+        self.applied.append(compensation)
+        super().apply(compensation)
 
     def watch(self, seconds: float) -> np.ndarray:
-        """The rig's estimates, or those of an arm that runs away."""
-        estimates = self._rig.watch(seconds)
-        latest = self.applied[-1]
-        if latest.compensation == "lugre" and latest.friction.sigma1 > self.dangerous:
-            estimates[:, 0] = np.linspace(0.0, 5.0, len(estimates))
+        """The rig's estimates, or those of an arm or pendulum that runs away."""
+        estimates = super().watch(seconds)
+        if self._dangerous(self.applied[-1].controller.strength):
+            estimates[:, self._angle] = np.linspace(0.0, 5.0, len(estimates))
         return estimates
 
 
-def test_a_candidate_outside_the_guard_is_rejected() -> None:
-    """The best candidate so far is applied, and the search continues."""
-    rig = DangerousRig(dangerous=2.0)
-    start = ObserverParameters("lugre")
-    tuned = tune(rig, start, EstimatorParameters(), TuningPlan(), lambda *_: None)
-    dropped = [trial for trial in tuned.trials if trial.observer.friction.sigma1 > 2.0]
-    assert dropped
-    assert {trial.amplitude for trial in dropped} == {TuningPlan().arm_guard}
-    for trial in dropped:
-        after = rig.applied[rig.applied.index(trial.observer) + 1]
-        assert after.friction.sigma1 <= 2.0
-    assert rig.applied[-1] == tuned.after.observer
-    assert tuned.after.observer.friction.sigma1 <= 2.0
+def test_a_trial_outside_the_guard_is_left_at_once() -> None:
+    """The best setting so far is applied, and the search goes on."""
+    true = loop_with(*TWISTING, *LATE, *level(0.3))
+    rig = DangerousRig(true, lambda strength: 0.2 < strength < 0.6, 0)
+    result = tuned(rig, true)
+    left = [trial for trial in result.trials if trial.swing == np.inf]
+    assert left
+    for trial in left:
+        assert rig.applied[rig.applied.index(trial.compensation) + 1] != trial.compensation
+        assert result.trials.index(trial) < len(result.trials) - 1
+    assert rig.applied[-1] == result.after.compensation
+    assert result.after.swing < 0.5 * result.before.swing
 
 
-def test_initial_parameters_are_restored_if_nothing_helps() -> None:
-    rig = DangerousRig(dangerous=0.0)
-    start = ObserverParameters("coulomb")
-    with pytest.raises(GuardError, match="peak to peak"):
-        tune(rig, start, EstimatorParameters(), TuningPlan(), lambda *_: None)
-    assert rig.applied[-1] == start
+@pytest.mark.parametrize(
+    ("dangerous", "angle", "reason"),
+    [
+        (lambda strength: True, 0, "the motion as it is leaves the guard of 1 rad"),
+        (lambda strength: True, 2, "the motion as it is leaves the guard of 1 rad"),
+    ],
+)
+def test_a_motion_outside_the_guard_is_not_tuned(dangerous: Any, angle: int, reason: str) -> None:
+    true = loop_with(*TWISTING)
+    rig = DangerousRig(true, dangerous, angle)
+    with pytest.raises(GuardError, match=reason):
+        tuned(rig, true)
+    assert rig.applied[-1] == rig.applied[0]
 
 
-def test_initial_parameters_are_restored_after_an_interruption() -> None:
-    rig = DangerousRig(dangerous=np.inf)
-    start = ObserverParameters("none")
+def test_initial_parameters_are_restored_after_a_fall() -> None:
+    """A pendulum that has fallen does not come back with the best setting."""
+    true = loop_with(*TWISTING, *LATE, *level(0.3))
+    rig = DangerousRig(true, lambda strength: len(rig.applied) > 2, 2)
+    with pytest.raises(GuardError, match="the pendulum left the guard of 1 rad"):
+        tuned(rig, true)
+    assert rig.applied[-1] == rig.applied[0]
+
+
+@pytest.mark.parametrize("end", [30.0, 90.0])
+def test_initial_parameters_are_restored_after_an_interruption(end: float) -> None:
+    """Also while the swing is followed."""
+    true = loop_with(*LATE, *level(0.1))
+    rig = DangerousRig(true, lambda strength: False, 0)
 
     def interrupt(message: str, seconds: float) -> None:
-        if seconds > 30.0:
+        if seconds > end:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        tune(rig, start, EstimatorParameters(), TuningPlan(), interrupt)
-    assert rig.applied[-1] == start
+        tuned(rig, true, 60.0, interrupt)
+    assert rig.applied[-1] == rig.applied[0] != rig.applied[-2]
 
 
 def test_no_gain_is_an_answer() -> None:
-    """Where there is no friction, every compensator is worse than none, and none is the result."""
-    rig = SimulatedLoop(Loop(plant(Friction(alpha0=0.0, alpha1=0.0), 37)))
-    plan = TuningPlan(seconds=240.0, rivals=True)
-    start = ObserverParameters("lugre")
-    tuned = tune(rig, start, EstimatorParameters(), plan, lambda *_: None)
-    assert tuned.after == tuned.uncompensated
-    assert not tuned.gain
-    assert tuned.seconds <= 240.0
-    tried = {trial.observer.compensation for trial in tuned.trials}
-    assert tried == {"lugre", *RIVALS}
-    assert min(trial.amplitude for trial in tuned.trials) > 10.0 * tuned.after.amplitude
+    """Without friction nothing is better than none; on a late drive little is enough."""
+    as_it_was = tune_simulated(loop_with(*NO_FRICTION), TuningPlan(), silent)
+    assert not as_it_was.gain
+    assert as_it_was.parameters == {"friction_observer": {}, "controller": {}}
+    found = tune_simulated(loop_with(*TWISTING, *LATE, *NO_FRICTION), TuningPlan(), silent)
+    assert found.parameters["controller"]["strength"] < 0.1
+    assert found.after.swing < 0.1 * found.before.swing
+
+
+@pytest.mark.parametrize("start", [TWISTING, ()])
+def test_what_a_late_drive_needs_is_found(start: tuple[str, ...]) -> None:
+    """From 180 mrad with the recommended setting, and from 50 mrad with none, to half a count."""
+    true = loop_with(*start, *LATE, *level(0.1))
+    result = tune_simulated(true, TuningPlan(), silent)
+    assert result.gain
+    assert result.before.swing > (0.15 if start else 0.04)
+    assert swing(true, result) < 0.5 * ENCODER_COUNT
+
+
+def test_an_elastic_arm_does_not_fall() -> None:
+    """With little or no compensation the pendulum would fall on this belt."""
+    true = loop_with("coupling.frequency=20", *level(1.0), RECOMMENDED)
+    result = tune_simulated(true, TuningPlan(), silent)
+    assert all(trial.swing < 1.0 for trial in result.trials)
+    assert swing(true, result) < 1.5 * ENCODER_COUNT
+
+
+@pytest.mark.parametrize("seconds", [LEAST_SECONDS, 80.0, 120.0])
+@pytest.mark.parametrize("friction", [0.0, 0.3, 1.0, 2.0])
+def test_time_is_kept(seconds: float, friction: float) -> None:
+    for given in (TWISTING, ()):
+        true = loop_with(*given, *LATE, *level(friction))
+        result = tune_simulated(true, TuningPlan(seconds), silent)
+        assert 16.0 <= result.seconds <= seconds
+
+
+class ChangingRig(SimulatedLoop):
+    """A rig whose friction is multiplied by factors at times [s]; it records the arm's swing."""
+
+    def __init__(self, true: Loop, factors: dict[float, float]) -> None:
+        super().__init__(true)
+        self._factors = factors
+        self.angles: list[np.ndarray] = []
+
+    def watch(self, seconds: float) -> np.ndarray:
+        """The rig's estimates."""
+        plant = self._simulation.loop.plant
+        known = plant.friction.parameters
+        factor = self._factors.pop(round(0.001 * sum(map(len, self.angles)), 3), 1.0)
+        friction = plant.friction._replace(parameters=known._replace(alpha0=factor * known.alpha0))
+        changed = plant._replace(friction=friction)
+        self._simulation.loop = self._simulation.loop._replace(plant=changed)
+        estimates = super().watch(seconds)
+        self.angles.append(estimates[:, 0])
+        return estimates
+
+    def swing(self, start: float, end: float) -> float:
+        """Peak to peak [rad] between two times [s]."""
+        angles = np.concatenate(self.angles)
+        return float(np.ptp(angles[round(1000 * start) : round(1000 * end)]))
+
+
+def test_the_swing_is_followed() -> None:
+    """Friction doubles on a late drive, later it halves: the swing does too within 60 s."""
+    true = loop_with(*TWISTING, *LATE, *level(0.5))
+    swings = []
+    for follow in (230.0, 0.0):
+        rig = ChangingRig(true, {140.0: 2.0, 260.0: 0.5})
+        rig.watch(350.0 - tuned(rig, true, follow).seconds)
+        swings.append([rig.swing(start, start + 20.0) for start in (120.0, 200.0, 320.0)])
+    followed, left = swings
+    assert left[1] > 3.0 * left[0]
+    assert followed[1] < 0.5 * left[1]
+    assert followed[2] < 1.5 * followed[0]
+
+
+def test_friction_that_appears_is_followed() -> None:
+    """None was best before."""
+    true = loop_with(*LATE, *level(1e-4))
+    rig = ChangingRig(true, {60.0: 1e3})
+    result = tuned(rig, true, 100.0)
+    assert rig.swing(40.0, 60.0) < 0.2 * ENCODER_COUNT
+    assert rig.swing(60.0, 70.0) > ENCODER_COUNT
+    assert rig.swing(120.0, 130.0) < ENCODER_COUNT
+    assert 0.02 < result.after.scale < 0.5
