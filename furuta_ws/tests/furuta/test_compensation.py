@@ -5,9 +5,8 @@ from math import pi, sin
 import numpy as np
 import pytest
 
+from furuta import tune
 from furuta.lanes.batch import batch
-from furuta.studies.tuning.plan import TuningPlan
-from furuta.studies.tuning.tuning import SimulatedLoop, tune
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import (
     COMPENSATIONS,
@@ -31,8 +30,7 @@ def test_the_papers_order() -> None:
     Compared for each seed where the ranges are separate, otherwise by the means.
     """
     loop = Loop(PlantParameters(seed=TUNING_SEED))
-    rig = SimulatedLoop(loop)
-    tuned = tune(rig, loop.observer, loop.estimator, TuningPlan(), lambda *_: None).after.observer
+    tuned = tune(loop, compensations=["lugre"], enough=0.25).after.compensation.observer
     sizes = {}
     for name, observer in (
         *((kind, ObserverParameters(kind)) for kind in ("none", "coulomb", "lugre")),

@@ -228,7 +228,8 @@ def test_the_swing_is_followed() -> None:
     swings = []
     for follow in (230.0, 0.0):
         rig = ChangingRig(true, {140.0: 2.0, 260.0: 0.5})
-        rig.watch(350.0 - tuned(rig, true, follow).seconds)
+        for _ in range(round(10.0 * (350.0 - tuned(rig, true, follow).seconds))):
+            rig.watch(0.1)
         swings.append([rig.swing(start, start + 20.0) for start in (120.0, 200.0, 320.0)])
     followed, left = swings
     assert left[1] > 3.0 * left[0]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from furuta.studies.tuning.plan import MIN_SECONDS, TuningPlan
+from furuta.studies.tuning_plan import LEAST_SECONDS
 from furuta_bringup import main
 from furuta_bringup.graph.processes import executable
 from furuta_bringup.verbs import demo
@@ -43,7 +43,7 @@ print(*sys.modules)
 
 def test_demo_end_to_end(furuta: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
-    monkeypatch.setattr(demo, "PLAN", TuningPlan(MIN_SECONDS))
+    monkeypatch.setattr(demo, "PLAN", demo.PLAN._replace(seconds=LEAST_SECONDS))
     out_dir = tmp_path / "demo"
     status, out, err = furuta(
         "demo", "--seconds", "8", "--set", "sample_time=0.002", "--out", out_dir, "--json"
@@ -98,7 +98,8 @@ FAILED = {
     "identify run.csv --rig paper": "add --write FILE.yaml, or leave --rig out",
     "tune --seconds 20 --json": "needs at least",
     "tune --running": "no node",
-    "tune --set enabled=false --json": "restored the initial parameters",
+    "tune --follow 9": "--follow needs --running",
+    "tune --set enabled=false --json": "the initial parameters are restored",
     "swing-up --rig paper": "potentiometer_range must be at least",
     "compare --truths --rigs 5": "--rigs has no effect on the named rigs",
     "compare --out mine.csv": "already exists",

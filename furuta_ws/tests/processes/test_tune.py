@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from furuta.settings.settings import read_file
 
@@ -22,11 +21,10 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
         assert run.poll() is None
     tuning = processes.furuta("tune", "--running")
     for line in tuning.stderr:
-        if "recording the friction" in line:
+        if "as it is" in line:
             break
     else:
-        pytest.fail("tuning ended before it recorded the friction")
-    # While friction is recorded it is none. Some trials have the initial one again.
+        pytest.fail("tuning ended before its first trial")
     while furuta("param", "get", "friction_observer", "compensation")[1].strip() == "coulomb":
         assert tuning.poll() is None
     tuning.send_signal(signal.SIGINT)
@@ -38,12 +36,15 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
 
 
 def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
-    """The result is better than the start, printed as JSON, and written to a valid file."""
-    file = tmp_path / "tuned.yaml"
-    status, out, err = furuta("tune", "--seconds", "110", "--json", "--out", file)
+    """The result is better than the start, printed as JSON, written to a valid file, and drawn."""
+    file, figure = tmp_path / "tuned.yaml", tmp_path / "tuned.png"
+    given = "--set", "drive.delay=10", "--set", "compensation=lugre"
+    options = "--json", "--out", file, "--figure", figure
+    status, out, err = furuta("tune", "--seconds", "110", *given, *options)
     assert status == 0, err
     found = json.loads(out)
     assert found["after"]["phi_peak_to_peak_rad"] < found["before"]["phi_peak_to_peak_rad"]
     assert found["pendulum_seconds"] <= 110
-    assert read_file(file)["friction_observer"] == found["parameters"]
-    assert yaml.safe_load(file.read_text())["friction_observer"]
+    assert found["trials"][0] == found["before"]
+    assert {node: read_file(file)[node] for node in found["parameters"]} == found["parameters"]
+    assert figure.stat().st_size > 10_000
