@@ -54,9 +54,8 @@ def tune_graph(settings: Settings, plan: TuningPlan) -> TuningResult:
 @pytest.mark.long
 def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     """In lock-step, paused at every change: the same trials and parameters to the last bit."""
-    settings = load_settings(
-        [], ["drive.delay=10", "drive.lag=0.015", "plant.friction.alpha0=0.02"]
-    )
+    late = "drive.delay=10", "drive.lag=0.015", "plant.friction.alpha0=0.02"
+    settings = load_settings([], late)
     plan = TuningPlan(LEAST_SECONDS)
     expected = tune_simulated(loop(settings), plan, silent)
     assert tune_graph(settings, plan) == expected
