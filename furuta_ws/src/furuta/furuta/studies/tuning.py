@@ -4,17 +4,17 @@ A compensation is tried with one scale at a time: the strength of the recommende
 of Coulomb and stiction compensation, σ₁ of LuGre. The swing is the arm's estimated angle, peak to
 peak, which a real rig provides too.
 
-1. The motion is measured as it is, and without compensation. While the arm slides then, the
-   estimator observes the friction's level.
+1. The motion is measured as it is, and with less and less strength. Where the pendulum stands with
+   little, it is measured without compensation. While the arm slides then, the estimator observes
+   the friction's level.
 2. Each compensation starts from this level. While the swing is beyond four counts of the encoder,
-   its scale changes by factors of four, because the minimum can lie behind a hill. Then it changes
-   by factors of two and less. Once the swing is small enough, by default
-   a count, the search ends.
+   its scale changes by factors of four, because the minimum can be far away. Then it changes
+   by factors of two and less. Once the swing is small enough, by default a count, the search ends.
 3. A trial counts as small enough only after a longer measurement. Otherwise the best one is
    measured once more. If the motion as it was is not worse, nothing changes.
 
 Safety: the excursion is checked every tenth of a second. Where it leaves the guard, or grows beyond
-the best one so far, the best setting is restored and the search goes on.
+the best one so far, the best setting is restored and the search goes on, but not beyond that scale.
 """
 
 from __future__ import annotations
