@@ -256,7 +256,8 @@ class Tuner:
                 self._plan = plan._replace(seconds=self._elapsed + plan.seconds)
                 self._search(RECOMMENDED, strength if best.name == RECOMMENDED else 1.0)
                 best = self._confirmed()
-        return result._replace(after=best, seconds=self._elapsed)
+        trials = [*result.trials, *self._trials]
+        return result._replace(after=best, trials=trials, seconds=self._elapsed)
 
     @property
     def _as_it_is(self) -> Trial:

@@ -115,11 +115,12 @@ def command(
         print_json(tuned)
         return
     print(f"before  {result.before}\nafter   {result.after}")
+    if not result.gain:
+        print("no gain: nothing is better than the setting as it was")
+        return
     show(
         {f"{n}.{name}": v for n, of in tuned["parameters"].items() for name, v in of.items()}, False
     )
-    if not result.gain:
-        print("no gain: nothing is better than the setting as it was")
 
 
 def _tune_running(
