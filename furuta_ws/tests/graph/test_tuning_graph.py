@@ -6,7 +6,7 @@ from rclpy.node import Node
 
 from furuta.settings.settings import Settings, load_settings, loop
 from furuta.studies.tuning import TuningResult, tune, tune_simulated
-from furuta.studies.tuning_plan import LEAST_SECONDS, TuningPlan
+from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.demo_run import in_lockstep
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
@@ -54,9 +54,9 @@ def tune_graph(settings: Settings, plan: TuningPlan) -> TuningResult:
 @pytest.mark.long
 def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     """In lock-step, paused at every change: the same trials and parameters to the last bit."""
-    late = "drive.delay=10", "drive.lag=0.015", "plant.friction.alpha0=0.02"
+    late = "drive.delay=10", "drive.lag=0.015", "friction.law=coulomb", "plant.friction.alpha0=0.02"
     settings = load_settings([], late)
-    plan = TuningPlan(LEAST_SECONDS)
+    plan = TuningPlan(80.0)
     expected = tune_simulated(loop(settings), plan, silent)
     assert tune_graph(settings, plan) == expected
     assert expected.gain
