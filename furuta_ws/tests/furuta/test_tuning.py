@@ -123,8 +123,8 @@ def test_a_trial_outside_the_guard_is_left_at_once() -> None:
 @pytest.mark.parametrize(
     ("dangerous", "angle", "reason"),
     [
-        (lambda strength: True, 0, "the motion as it is leaves the guard of 1 rad"),
-        (lambda strength: True, 2, "the motion as it is leaves the guard of 1 rad"),
+        (lambda strength: True, 0, "every trial left the guard of 1 rad"),
+        (lambda strength: True, 2, "every trial left the guard of 1 rad"),
     ],
 )
 def test_a_motion_outside_the_guard_is_not_tuned(dangerous: Any, angle: int, reason: str) -> None:
@@ -165,7 +165,7 @@ def test_no_gain_is_an_answer() -> None:
     assert not as_it_was.gain
     assert as_it_was.parameters == {"friction_observer": {}, "controller": {}}
     found = tune_simulated(loop_with(*TWISTING, *LATE, *NO_FRICTION), TuningPlan(), silent)
-    assert found.parameters["controller"]["strength"] < 0.1
+    assert found.parameters["controller"]["strength"] < 0.2
     assert found.after.swing < 0.1 * found.before.swing
 
 
@@ -181,7 +181,7 @@ def test_what_a_late_drive_needs_is_found(start: tuple[str, ...]) -> None:
 
 def test_an_elastic_arm_does_not_fall() -> None:
     """With little or no compensation the pendulum would fall on this belt."""
-    true = loop_with("coupling.frequency=20", *level(1.0), RECOMMENDED)
+    true = loop_with("coupling.frequency=22", *level(1.0), RECOMMENDED)
     result = tune_simulated(true, TuningPlan(), silent)
     assert all(trial.swing < 1.0 for trial in result.trials)
     assert swing(true, result) < 1.5 * ENCODER_COUNT
@@ -223,11 +223,11 @@ class ChangingRig(SimulatedLoop):
 
 
 def test_the_swing_is_followed() -> None:
-    """Friction doubles on a late drive, later it halves: the swing does too within 60 s."""
-    true = loop_with(*TWISTING, *LATE, *level(0.5))
+    """Friction grows by ten on a late drive, later it falls again: the swing follows in 60 s."""
+    true = loop_with(*TWISTING, *LATE, *level(0.1))
     swings = []
     for follow in (230.0, 0.0):
-        rig = ChangingRig(true, {140.0: 2.0, 260.0: 0.5})
+        rig = ChangingRig(true, {140.0: 10.0, 260.0: 0.1})
         for _ in range(round(10.0 * (350.0 - tuned(rig, true, follow).seconds))):
             rig.watch(0.1)
         swings.append([rig.swing(start, start + 20.0) for start in (120.0, 200.0, 320.0)])

@@ -7,7 +7,7 @@ peak, which a real rig provides too.
 1. The motion is measured as it is, and with less and less strength. Where the pendulum stands with
    little, it is measured without compensation. While the arm slides then, the estimator observes
    the friction's level.
-2. Each compensation starts from this level. While the swing is beyond four counts of the encoder,
+2. Each compensation starts from this level. While the swing is beyond eight counts of the encoder,
    its scale changes by factors of four, because the minimum can be far away. Then it changes
    by factors of two and less. Once the swing is small enough, by default a count, the search ends.
 3. A trial counts as small enough only after a longer measurement. Otherwise the best one is
@@ -50,11 +50,11 @@ ProgressCallback = Callable[[str, float], None]
 NONE, AS_IT_IS = "none", "as it is"
 # Swing [counts] from which the scale changes coarsely; the factors. One count without quantisation
 # [rad].
-FAR = 4.0
+FAR = 8.0
 COARSE, FINE = (1 / 4, 1 / 16, 4.0), (2.0, sqrt(2.0))
 SMALLEST_COUNT = 1e-3
-# Swing without compensation that shows the friction [rad].
-SHOWN = 0.2
+# Swing without compensation that shows the friction [rad]; strength that is nearly none.
+SHOWN, LITTLE = 0.2, 0.2
 # Swing, relative to the best one, below which a trial is better, from which it is given up, and
 # from which a compensation is not tried further.
 BETTER, GROWN, HOPELESS = 0.9, 1.3, 2.0
@@ -173,9 +173,6 @@ class SimulatedLoop:
         return self._simulation.run(seconds).estimate
 
 
-RESTORED = "the initial parameters are restored; begin with another strength"
-
-
 class GuardError(ParameterError):
     """The motion left the guard, and no setting brought it back."""
 
@@ -233,15 +230,22 @@ class Tuner:
         before = self._try(self._as_it_is)
         if RECOMMENDED in self._plan.compensations:
             self._try_scale(RECOMMENDED, 1.0 if before.swing == inf else before.scale or 1.0)
-            self._try_scale(RECOMMENDED, 0.5 * self._best(RECOMMENDED).scale)
-        # Where half of it is much worse, as on an elastic arm, none could let the pendulum fall.
+            if self._best().swing == inf:
+                raise self._left_guard("every trial")
+            self._search(RECOMMENDED, 0.5 * self._best(RECOMMENDED).scale)
         needed = self._best().swing > self._enough and before.name != NONE
-        if needed and self._trials[-1].is_inside and self._has_time(2.0 * MEASURING):
+        if needed and self._is_none_safe() and self._has_time(2.0 * MEASURING):
             self._try(self._candidate(NONE, 0.0))
         for name in self._plan.compensations:
             self._search(name, self._level if name == RECOMMENDED else 1.0)
         after = self._confirmed()
         return TuningResult(before, after, self._trials, self._elapsed, self._count)
+
+    def _is_none_safe(self) -> bool:
+        """Whether the pendulum stands with little compensation, which is not so on every belt."""
+        tried = [trial for trial in self._trials if trial.name == RECOMMENDED]
+        least = min(tried, key=lambda trial: trial.scale, default=None)
+        return least is None or (least.scale <= LITTLE and least.is_inside)
 
     def follow(self, seconds: float, result: TuningResult) -> TuningResult:
         """Search the strength again whenever the swing has grown, until ``seconds`` have passed."""
@@ -254,10 +258,10 @@ class Tuner:
                 self._trials = []
                 strength = self._try(best._replace(swing=inf)).scale
                 self._plan = plan._replace(seconds=self._elapsed + plan.seconds)
-                self._search(RECOMMENDED, strength if best.name == RECOMMENDED else 1.0)
+                self._search(RECOMMENDED, strength if best.name == RECOMMENDED else LITTLE)
                 best = self._confirmed()
-        trials = [*result.trials, *self._trials]
-        return result._replace(after=best, trials=trials, seconds=self._elapsed)
+            result.trials.extend(self._trials)
+        return result._replace(after=best, seconds=self._elapsed)
 
     @property
     def _as_it_is(self) -> Trial:
@@ -344,7 +348,7 @@ class Tuner:
         if self._trials[0].swing < inf and best.swing > BETTER * self._trials[0].swing:
             best = self._trials[0]
         if best.swing == inf:
-            raise GuardError(f"every trial left the guard of {self._guard}; {RESTORED}")
+            raise self._left_guard("every trial")
         self._rig.apply(best.compensation)
         return best
 
@@ -408,12 +412,14 @@ class Tuner:
             if swing_of([last]) <= best.swing + self._count and self._is_upright(last):
                 return
         if not self._is_upright(last):
-            raise GuardError(f"the pendulum left the guard of {self._guard}; {RESTORED}")
+            raise self._left_guard("the pendulum")
 
-    @property
-    def _guard(self) -> str:
+    def _left_guard(self, what: str) -> GuardError:
         arm, pendulum = self._plan.arm_guard, self._plan.pendulum_guard
-        return f"{arm:g} rad of the arm and {pendulum:g} rad (arm-guard, pendulum-guard)"
+        return GuardError(
+            f"{what} left the guard of {arm:g} rad of the arm and {pendulum:g} rad (arm-guard, "
+            "pendulum-guard); the initial parameters are restored; begin with another strength"
+        )
 
 
 def is_twisting(compensation: Compensation) -> bool:
