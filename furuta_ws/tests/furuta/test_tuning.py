@@ -166,7 +166,7 @@ def test_no_gain_is_an_answer() -> None:
     assert as_it_was.parameters == {"friction_observer": {}, "controller": {}}
     found = tune_simulated(loop_with(*TWISTING, *LATE, *NO_FRICTION), TuningPlan(), silent)
     assert found.parameters["controller"]["strength"] < 0.2
-    assert found.after.swing < 0.1 * found.before.swing
+    assert found.after.swing < 0.2 * found.before.swing
 
 
 @pytest.mark.parametrize("start", [TWISTING, ()])

@@ -53,7 +53,7 @@ BANDWIDTH, LARGEST_STEP = 80.0, 0.1
 # Factors on the strength, on each process noise, and on the bandwidth that are tried.
 STRENGTHS, NOISES, BANDWIDTHS = (0.7, 0.5, 0.35, 0.25, 1.4), (0.33, 3.0), (0.5, 2.0)
 # A weaker setting is left to tuning: with more friction than described the pendulum could fall.
-LEAST_STRENGTH = 0.2
+LEAST_STRENGTH = 0.3
 KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
 # The cases: level of friction and delay of the drive, relative to what is described. In the hard
 # one only a swing beyond a limit [rad] counts, as a further swing [rad].
