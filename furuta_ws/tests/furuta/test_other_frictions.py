@@ -51,9 +51,12 @@ def friction(name: str) -> list[str]:
 
 
 def residuals(assignments: list[str], *chosen: str, seeds: int = 3) -> np.ndarray:
-    """Arm peak to peak [rad] over the second half of 30 s; infinite after a fall."""
-    given = [*assignments, *chosen]
-    loops = [loop(load_settings([], [*given, f"plant.seed={k}"])) for k in range(seeds)]
+    """Arm peak to peak [rad] over the second half of 30 s; infinite after a fall.
+
+    What is chosen does not know what is true.
+    """
+    base = load_settings([], chosen)
+    loops = [loop(load_settings([], [*assignments, f"plant.seed={k}"], base)) for k in range(seeds)]
     return np.array([np.inf if o.fell else o.phi_peak_to_peak_rad for o in batch(loops, 30.0)])
 
 

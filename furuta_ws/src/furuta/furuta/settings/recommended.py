@@ -55,10 +55,10 @@ STRENGTHS, NOISES, BANDWIDTHS = (0.7, 0.5, 0.35, 0.25, 1.4), (0.33, 3.0), (0.5, 
 # A weaker setting is left to tuning: with more friction than described the pendulum could fall.
 LEAST_STRENGTH = 0.3
 KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
-# The cases: level of friction and delay of the drive, relative to what is described. In the hard
-# one only a swing beyond a limit [rad] counts, as a further swing [rad].
+# The cases: level of friction and delay of the drive, relative to what is described. The hard one
+# is dangerous if the swing is beyond a limit [rad].
 HARD_CASE, CASES = (3.0, 1.0), ((1.0, 1.0), (1.5, 1.5), (0.5, 1.5), (1.0, 1.5), (1.5, 0.5))
-LIMIT, PENALTY = 0.2, 1.0
+LIMIT = 0.2
 SECONDS = 16.0
 HORIZONTAL = pi / 2  # [rad]; beyond it the pendulum has fallen
 # Part of the least swing so far that another strength, or another of the rest, must not exceed. A
@@ -111,13 +111,14 @@ def _as_described(loop: Loop) -> Loop:
 def _chosen(standard: Loop) -> Loop:
     """The standard setting, or one that swings less in the worst case."""
     count = standard.plant.sensors.encoder_count
-    best, least = standard, _worst_swing(standard, inf)
+    best, least = standard, _judged(standard, (True, inf))
     for variants in (_strengths, _poles, _noises, _bandwidths, _strengths):
         part = BETTER if variants is _strengths else MUCH_BETTER
-        for other in variants(best) if least > count else ():
-            swing = _worst_swing(other, part * least)
-            if swing < part * least:
-                best, least = other, swing
+        for other in variants(best) if least > (False, count) else ():
+            aim = least[0], part * least[1]
+            found = _judged(other, aim)
+            if found < aim:
+                best, least = other, found
     return best
 
 
@@ -154,15 +155,14 @@ def _bandwidths(loop: Loop) -> Iterator[Loop]:
         yield loop._replace(controller=controller)
 
 
-def _worst_swing(loop: Loop, enough: float) -> float:
-    """The largest swing of the cases [rad], or one beyond ``enough``."""
-    added = PENALTY if _swing(loop, *HARD_CASE) > LIMIT else 0.0
-    worst = 0.0
+def _judged(loop: Loop, aim: tuple[bool, float]) -> tuple[bool, float]:
+    """Whether the hard case is dangerous, and the largest swing [rad], or one above ``aim``."""
+    danger, worst = _swing(loop, *HARD_CASE) > LIMIT, 0.0
     for case in CASES:
-        worst = max(worst, _swing(loop, *case))
-        if added + worst > enough:
+        if (danger, worst) > aim:
             break
-    return added + worst
+        worst = max(worst, _swing(loop, *case))
+    return danger, worst
 
 
 def _swing(loop: Loop, level: float, delay: float) -> float:

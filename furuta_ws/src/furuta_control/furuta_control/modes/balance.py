@@ -36,8 +36,8 @@ STRENGTH_TIME = 0.1
 # Largest integral of super-twisting [s], relative to its gain: with the recommended gain, twice the
 # highest level of friction. Without a limit it is integral action, which lets the pendulum fall.
 INTEGRAL_LIMIT = 2.0 / 43.0
-# Strength before the first sample, and that below which super-twisting rests.
-UNKNOWN, LEAST_STRENGTH = -1.0, 1e-3
+# Strength below which super-twisting rests.
+LEAST_STRENGTH = 1e-3
 
 
 @dataclass
@@ -49,6 +49,7 @@ class BalanceMemory:
         fallen: Whether it has fallen and not been caught since.
         ready: Samples for which it has been ready to be caught.
         integral: Integral of the arm's error over the integral time [rad].
+        begun: Whether the strength has begun at its parameter.
         strength: The strength that acts.
         super_twisting: Memory of super-twisting.
     """
@@ -57,7 +58,8 @@ class BalanceMemory:
     fallen: bool = False
     ready: int = 0
     integral: float = 0.0
-    strength: float = UNKNOWN
+    begun: bool = False
+    strength: float = 0.0
     super_twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
 
 
@@ -184,8 +186,8 @@ def forget_integrals(memory: BalanceMemory) -> None:
 @inlined
 def scaled(memory: BalanceMemory, friction: float, p: Balance) -> float:
     """The friction estimate [V] times the strength that acts in this sample."""
-    if memory.strength == UNKNOWN:
-        memory.strength = p.strength
+    if not memory.begun:
+        memory.begun, memory.strength = True, p.strength
     memory.strength += p.strength_share * (p.strength - memory.strength)
     return memory.strength * friction
 
