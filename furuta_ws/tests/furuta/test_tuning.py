@@ -190,8 +190,8 @@ def test_an_elastic_arm_does_not_fall() -> None:
 @pytest.mark.parametrize("seconds", [LEAST_SECONDS, 80.0, 120.0])
 @pytest.mark.parametrize("friction", [0.0, 0.3, 1.0, 2.0])
 def test_time_is_kept(seconds: float, friction: float) -> None:
-    for given in (TWISTING, ()):
-        true = loop_with(*given, *LATE, *level(friction))
+    for given in (TWISTING, (), (*TWISTING, "drive.lag=0.03")):
+        true = loop_with(*LATE, *level(friction), *given)
         result = tune_simulated(true, TuningPlan(seconds), silent)
         assert 16.0 <= result.seconds <= seconds
 

@@ -30,6 +30,7 @@ from furuta.studies.tuning_plan import (
     CALM,
     CONFIRMING,
     GUARD_INTERVAL,
+    LONGEST,
     MEASURING,
     RECOVERY,
     SETTLING,
@@ -234,7 +235,7 @@ class Tuner:
                 raise self._left_guard("every trial")
             self._search(RECOMMENDED, 0.5 * self._best(RECOMMENDED).scale)
         needed = self._best().swing > self._enough and before.name != NONE
-        if needed and self._is_none_safe() and self._has_time(2.0 * MEASURING):
+        if needed and self._is_none_safe() and self._has_time(LONGEST):
             self._try(self._candidate(NONE, 0.0))
         for name in self._plan.compensations:
             self._search(name, self._level if name == RECOMMENDED else 1.0)
@@ -322,7 +323,7 @@ class Tuner:
         )
         allowed = SCALES[0] <= scale <= SCALES[1]
         needed = self._best().swing > self._enough
-        if needed and allowed and not known and self._has_time(2.0 * MEASURING):
+        if needed and allowed and not known and self._has_time(LONGEST):
             self._try(self._candidate(name, scale))
 
     def _has_time(self, seconds: float = 0.0) -> bool:

@@ -9,6 +9,8 @@ from furuta_model.parameters import ParameterError, shortened
 # that is given up, at most so often.
 STARTING, SETTLING, MEASURING, CONFIRMING, RECOVERY, CALM = 8.0, 2.0, 6.0, 16.0, 2.0, 4
 GUARD_INTERVAL = 0.1
+# Longest trial: one whose motion decays, and is then given up.
+LONGEST = SETTLING + 2.0 * MEASURING + CALM * RECOVERY
 LEAST_SECONDS = STARTING + 3.0 * (SETTLING + MEASURING + RECOVERY) + SETTLING + CONFIRMING
 COMPENSATIONS = "recommended", "stiction", "coulomb", "lugre"
 
