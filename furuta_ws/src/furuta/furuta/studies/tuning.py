@@ -311,7 +311,14 @@ class Tuner:
     def _improves(self, name: str, factor: float) -> bool:
         """Whether the best scale, changed by a factor, is better."""
         best = self._best(name)
-        if best.swing <= HOPELESS * self._best().swing:
+        low, high = sorted((best.scale, factor * best.scale))
+        # Beyond a scale that was given up, a belt may let the pendulum fall.
+        beyond = any(
+            low < trial.scale < high and not trial.is_inside
+            for trial in self._trials
+            if trial.name == name
+        )
+        if best.swing <= HOPELESS * self._best().swing and not beyond:
             self._try_scale(name, factor * best.scale)
         return self._best(name).swing < BETTER * best.swing
 
