@@ -383,10 +383,11 @@ class Tuner:
         if inside and swing_of(seen) <= 2.0 * grown:
             seen = []
             inside = self._watch(seconds, grown, seen)
-        if inside and swing_of(seen[len(seen) // 2 :]) < DECAYING * swing_of(seen):
+        first = inside and seconds < CONFIRMING
+        if first and swing_of(seen[len(seen) // 2 :]) < DECAYING * swing_of(seen):
             seen = []
             inside = self._watch(seconds, grown, seen)
-        if inside and seconds < CONFIRMING and swing_of(seen) <= self._enough:
+        if first and inside and swing_of(seen) <= self._enough:
             inside = self._watch(CONFIRMING, grown, seen)
         if trial.name == NONE:
             self._known = observed_friction(np.concatenate(seen), self._known)
