@@ -1,16 +1,22 @@
 """Tuning a graph of real nodes through their parameter services."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from rclpy.node import Node
 
+from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES
 from furuta.settings.settings import Settings, load_settings, loop
-from furuta.studies.tuning import TuningResult, tune, tune_simulated
+from furuta.studies.tuning import Compensation, TuningResult, tune, tune_simulated
 from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.demo_run import in_lockstep
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
+from furuta_bringup.graph.services import ServiceError
 from furuta_bringup.tuning_client import EstimateBuffer, TuningClient
+from furuta_model.parameters import values
+from furuta_ros.spinning import executor_of
 
 
 def silent(message: str, seconds: float) -> None:
@@ -61,3 +67,39 @@ def test_tuning_the_graph_is_tuning_the_simulation(ros: None) -> None:
     assert tune_graph(settings, plan) == expected
     assert expected.gain
     assert len(expected.trials) > 3
+
+
+class RefusingController:
+    """Parameter services of nodes, of which the controller refuses what is set."""
+
+    def __init__(self) -> None:
+        self.held = {name: values(node.parameters()) for name, node in NODES.items()}
+
+    def get(self, node: str, names: list[str]) -> dict[str, Any]:
+        """Values of a node."""
+        return {name: self.held[node][name] for name in names}
+
+    def set_all(self, node: str, changes: dict[str, Any]) -> None:
+        """Set values of a node."""
+        if node == CONTROLLER:
+            raise ServiceError("refused")
+        self.held[node] |= changes
+
+
+def test_what_one_node_has_taken_is_restored(ros: None) -> None:
+    """Although the other one has refused its part of a compensation."""
+    services: Any = RefusingController()
+    node = Node("tuner")
+    rig = TuningClient(services, EstimateBuffer(node), executor_of([node]))
+    start = rig.compensation
+    with pytest.raises(ServiceError):
+        rig.apply(
+            Compensation(
+                start.observer._replace(compensation="lugre"),
+                start.controller._replace(strength=0.5),
+            )
+        )
+    assert services.held[FRICTION_OBSERVER]["compensation"] == "lugre"
+    rig.apply(start)
+    assert services.held[FRICTION_OBSERVER]["compensation"] == "none"
+    node.destroy_node()

@@ -66,10 +66,12 @@ class TuningClient:
 
     def apply(self, compensation: Compensation) -> None:
         """Set the parameters that differ, node by node, and drop earlier estimates."""
-        for node, changes in compensation.changes(self.compensation).items():
+        every = compensation.changes(self.compensation).items()
+        for (node, changes), part in zip(every, Compensation._fields, strict=True):
             if changes:
                 self.client.set_all(node, changes)
-        self.compensation = compensation
+                own = {part: getattr(compensation, part)}
+                self.compensation = self.compensation._replace(**own)
         self._waiting.clear()
 
     def watch(self, seconds: float) -> np.ndarray:
