@@ -3,9 +3,9 @@
 import numpy as np
 
 from furuta.settings.nodes import NODES
+from furuta.settings.parameter_names import by_node
 from furuta.settings.settings import default_settings, parameters_of
 from furuta_bringup.page.guided_scenes import (
-    by_node,
     guided_steps,
     names_of,
     step_values,

@@ -94,6 +94,11 @@ def measure(simulation: Simulation, seconds: float, settled: float = SETTLED) ->
     return summary(sums[0].item(), simulation.loop.plant.sample_time, samples, measured)
 
 
+def residual(run: Outcome) -> float:
+    """The arm's angle, peak to peak [rad], in the settled part; infinite after a fall."""
+    return inf if run.fell else run.phi_peak_to_peak_rad
+
+
 def sensors_alone(loop: Loop) -> float:
     """Swing of the arm [rad], peak to peak, that quantisation and noise of the sensors cause.
 
@@ -102,7 +107,7 @@ def sensors_alone(loop: Loop) -> float:
     between two; the larger swing counts. It is infinite if the pendulum falls.
     """
     runs = [outcome(_only_sensors(loop, part), SENSORS_SECONDS) for part in (0.0, 0.5)]
-    return max(inf if run.fell else run.phi_peak_to_peak_rad for run in runs)
+    return max(map(residual, runs))
 
 
 def _only_sensors(loop: Loop, part: float) -> Loop:

@@ -132,7 +132,7 @@ def compare(
     """
     from furuta.settings.settings import loop_settings
     from furuta.studies.comparison.candidates import STANDARD, candidate_of, parse_candidates
-    from furuta.studies.comparison.comparison import Comparison, encoder_resolution
+    from furuta.studies.comparison.comparison import Comparison
     from furuta.studies.comparison.rigs import RandomRigs
     from furuta.studies.comparison.scores import rank, recommended
     from furuta.studies.study_tables import columns
@@ -150,8 +150,8 @@ def compare(
     rows = list(comparison.rows())
     if by_run:
         return columns(rows)
-    scores = rank(comparison.table(), encoder_resolution(loop))
-    best = recommended(scores, encoder_resolution(loop))
+    scores = rank(comparison.table(), loop.plant.sensors.encoder_count)
+    best = recommended(scores, loop.plant.sensors.encoder_count)
     return columns({**score._asdict(), "recommended": score is best} for score in scores)
 
 

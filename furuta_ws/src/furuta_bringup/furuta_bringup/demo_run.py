@@ -12,14 +12,15 @@ from typing import Any
 from rclpy.node import Node
 
 from furuta.settings.nodes import FRICTION_OBSERVER
-from furuta.settings.recommended import RECOMMENDED, RECOMMENDED_NAMES
-from furuta.settings.settings import Settings, settings_with
+from furuta.settings.parameter_names import by_node
+from furuta.settings.recommended import RECOMMENDED, recommended_values
+from furuta.settings.settings import Settings, loop
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.parameter_files import settings_file
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.parameters import build, values
+from furuta_model.parameters import values
 from furuta_recordings.recorder_node import RecorderNode
 
 
@@ -69,10 +70,5 @@ def _changes(
         return {FRICTION_OBSERVER: tuned()}
     if compensation != RECOMMENDED:
         return {FRICTION_OBSERVER: {"compensation": compensation}}
-    chosen = settings_with(settings, [("compensation", RECOMMENDED)])
-    observer = build(ObserverParameters, chosen[FRICTION_OBSERVER])
-    changes = {FRICTION_OBSERVER: settable(observer)}
-    for full_name in RECOMMENDED_NAMES:
-        of, _, name = full_name.partition(".")
-        changes.setdefault(of, {})[name] = chosen[of][name]
-    return changes
+    chosen, model = by_node(recommended_values(loop(settings))), loop(settings).observer
+    return chosen | {FRICTION_OBSERVER: settable(model) | chosen[FRICTION_OBSERVER]}

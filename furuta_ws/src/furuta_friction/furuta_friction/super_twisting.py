@@ -37,6 +37,8 @@ from furuta_model.parameters import OFF_AT_ZERO
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
+# Rate at which friction may change, relative to its highest level [1/s]: the gain C for a level.
+FRICTION_RATE = 43.0
 # Gains of the root and of the integral.
 ROOT, INTEGRAL = 1.5, 1.1
 # Rate of the low-pass filter relative to the bandwidth.

@@ -61,9 +61,8 @@ class Sensors(NamedTuple):
         """Variance of a reading of φ [rad²], φ̇ [rad²/s²] and θ [rad²], rounding included."""
         tachometer_step = step_size(self.tachometer_range, self.tachometer_bits)
         potentiometer_step = step_size(self.potentiometer_range, self.potentiometer_bits)
-        count = 2.0 * pi / self.encoder_counts if self.encoder_counts else 0.0
         return (
-            variance(0.0, count),
+            variance(0.0, self.encoder_count),
             variance(self.tachometer_noise, tachometer_step),
             variance(self.potentiometer_noise, potentiometer_step),
         )

@@ -1,6 +1,7 @@
 """Finding parameters of the graph by name."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from furuta.settings.nodes import NODES
 from furuta_model.parameters import Declared, ParameterError, declared, suggestion
@@ -59,3 +60,12 @@ def _suggestion(name: str) -> str:
     full_names = {match.parameter.name for node in NODES for match in _parameters(node)}
     known = full_names | {_last_part(full_name) for full_name in full_names}
     return suggestion(name, sorted(known))
+
+
+def by_node(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Values by node and name from values by full name."""
+    nodes: dict[str, dict[str, Any]] = {}
+    for full_name, value in values.items():
+        node, _, name = full_name.partition(".")
+        nodes.setdefault(node, {})[name] = value
+    return nodes

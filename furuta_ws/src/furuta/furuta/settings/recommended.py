@@ -24,6 +24,7 @@ from furuta_control.control import ControllerParameters
 from furuta_control.excitation import ExcitationParameters
 from furuta_control.modes.balance import POLE_PLACEMENT
 from furuta_friction.compensation import ObserverParameters
+from furuta_friction.super_twisting import FRICTION_RATE
 from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import values
 from furuta_model.state import PHI, THETA
@@ -44,9 +45,9 @@ RECOMMENDED_NAMES = (
     "estimator.friction_process_noise",
     "estimator.pendulum_process_noise",
 )
-# Rate at which friction may change and vibration that is accepted, relative to its highest level
-# [1/s, 1]. On the paper's rig C is 10 V/s and the limit 0.4 V.
-RATE, VIBRATION = 43.0, 1.7
+# Vibration that is accepted, relative to the highest level of friction. On the paper's rig C is
+# 10 V/s and this limit 0.4 V.
+VIBRATION = 1.7
 # Bandwidth [1/s]: between those at which a belt of 50 Hz vibrates and friction moves the arm by a
 # count of the encoder; at most this per sample.
 BANDWIDTH, LARGEST_STEP = 80.0, 0.1
@@ -88,7 +89,7 @@ def with_super_twisting(
     level = float(highest_level(observer.friction))
     return controller._replace(
         strength=1.0,
-        super_twisting=RATE * level,
+        super_twisting=FRICTION_RATE * level,
         super_twisting_bandwidth=min(BANDWIDTH, LARGEST_STEP / observer.sample_time),
         vibration_limit=VIBRATION * level,
     )

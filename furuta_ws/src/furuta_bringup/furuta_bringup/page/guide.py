@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from furuta.settings.parameter_names import by_node
 from furuta_bringup.page.exact_cycle import Values, encoder_counts
 from furuta_bringup.page.figures import figures
 from furuta_bringup.page.graph_link import GraphLink
 from furuta_bringup.page.guided_scenes import (
-    by_node,
     guided_steps,
     names_of,
     step_values,

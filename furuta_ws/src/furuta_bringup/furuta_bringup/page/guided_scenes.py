@@ -5,6 +5,7 @@ from importlib.resources import files
 from typing import Any, NamedTuple
 
 from furuta.settings.nodes import NODES
+from furuta.settings.parameter_names import by_node
 from furuta.settings.recommended import RECOMMENDED_NAMES, is_recommended, recommended_values
 from furuta.settings.settings import loop
 from furuta_ros.yaml_files import parse_yaml
@@ -65,12 +66,3 @@ def step_values(step: Step, before: Mapping[str, Any], values: Values) -> dict[s
         rig = by_node(before)
         new |= recommended_values(loop({n: {**values.get(n, {}), **rig.get(n, {})} for n in NODES}))
     return new
-
-
-def by_node(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Values by node and name from values by full name."""
-    nodes: dict[str, dict[str, Any]] = {}
-    for full_name, value in values.items():
-        node, _, name = full_name.partition(".")
-        nodes.setdefault(node, {})[name] = value
-    return nodes

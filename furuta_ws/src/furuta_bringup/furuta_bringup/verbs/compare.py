@@ -109,7 +109,7 @@ def command(
     A candidate keeps its settings on every rig. The rigs are random by default, named ones with
     --truths, and drawn from the uncertainty in its file with --rig.
     """
-    from furuta.studies.comparison.comparison import Comparison, encoder_resolution
+    from furuta.studies.comparison.comparison import Comparison
     from furuta.studies.comparison.scores import best_strengths, comparison_report, rank
     from furuta.studies.study_tables import check_table, write_runs
     from furuta_bringup.printing import print_table, with_progress
@@ -129,7 +129,7 @@ def command(
     if table is not None:
         write_runs(rows, table)
     deque(rows, maxlen=0)
-    outcome, count = comparison.table(), encoder_resolution(loop(settings))
+    outcome, count = comparison.table(), loop(settings).plant.sensors.encoder_count
     scores = rank(outcome, count)
     if out is not None and table is None:
         from furuta.figures.comparison import draw_comparison

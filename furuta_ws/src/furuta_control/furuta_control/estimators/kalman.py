@@ -19,7 +19,6 @@ Both parts are bounded for bounded measurements: the error of the first is linea
 the second stays within its count.
 """
 
-from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,7 +85,7 @@ def stationary_gain(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
 
 def half_count(sensors: Sensors) -> float:
     """Half an encoder count [rad], 0 without quantisation."""
-    return pi / sensors.encoder_counts if sensors.encoder_counts else 0.0
+    return 0.5 * sensors.encoder_count
 
 
 def _sampled(rig: NominalRig, p: KalmanParameters) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -33,9 +33,9 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 POLE_PLACEMENT = (0.0,)
 # Time constant with which the strength follows its parameter [s], so that u does not jump.
 STRENGTH_TIME = 0.1
-# Largest integral of super-twisting [s], relative to its gain: with the recommended gain, twice the
-# highest level of friction. Without a limit it is integral action, which lets the pendulum fall.
-INTEGRAL_LIMIT = 2.0 / 43.0
+# Largest integral of super-twisting, relative to its gain [s]: twice the level of friction that the
+# gain is for. Without a limit it is integral action, which lets the pendulum fall.
+INTEGRAL_LIMIT = 2.0 / super_twisting.FRICTION_RATE
 # Strength below which super-twisting rests.
 LEAST_STRENGTH = 1e-3
 

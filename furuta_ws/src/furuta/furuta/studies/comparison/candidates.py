@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
-from furuta.settings.parameter_names import Match, parameters_named
+from furuta.settings.parameter_names import Match, by_node, parameters_named
 from furuta.settings.recommended import RECOMMENDED, recommended_values
 from furuta.settings.settings import (
     Settings,
@@ -32,10 +32,7 @@ class Candidate(NamedTuple):
 
     def applied_to(self, settings: Settings) -> Settings:
         """The settings with those of the candidate. ParameterError if they are impossible."""
-        given = default_settings()
-        for name, value in self.settings.items():
-            node, _, parameter = name.partition(".")
-            given[node][parameter] = value
+        given = default_settings() | by_node(self.settings)
         return load_settings([], [], merge_settings(settings, given))
 
 

@@ -4,13 +4,12 @@ from array import array
 from collections import deque
 from collections.abc import Iterable, Iterator
 from itertools import zip_longest
-from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta.lanes.batch import batch
-from furuta.outcomes import Outcome, outcome, sensors_alone
+from furuta.outcomes import outcome, residual, sensors_alone
 from furuta.settings.settings import Settings, loop
 from furuta.studies.comparison.candidates import UNCOMPENSATED, Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
@@ -154,13 +153,3 @@ def delay_margin(control: Loop) -> float:
         else:
             stands = delay
     return max(stands, 0) * plant.sample_time
-
-
-def residual(run: Outcome) -> float:
-    """The arm's angle, peak to peak [rad], in the settled part; infinite after a fall."""
-    return inf if run.fell else run.phi_peak_to_peak_rad
-
-
-def encoder_resolution(loop: Loop) -> float:
-    """One count of the arm's encoder [rad], 0 without quantisation."""
-    return loop.plant.sensors.encoder_count
