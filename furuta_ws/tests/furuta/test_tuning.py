@@ -8,13 +8,11 @@ import pytest
 
 from furuta.outcomes import outcome
 from furuta.settings.settings import load_settings, loop
+from furuta.studies.trials import Compensation, TuningResult, observed_friction
 from furuta.studies.tuning import (
-    Compensation,
     GuardError,
     ProgressCallback,
     SimulatedLoop,
-    TuningResult,
-    observed_friction,
     tune,
     tune_simulated,
 )

@@ -8,7 +8,8 @@ from rclpy.node import Node
 
 from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES
 from furuta.settings.settings import Settings, load_settings, loop
-from furuta.studies.tuning import Compensation, TuningResult, tune, tune_simulated
+from furuta.studies.trials import Compensation, TuningResult
+from furuta.studies.tuning import tune, tune_simulated
 from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.demo_run import in_lockstep
 from furuta_bringup.graph.composed_graph import SimulatedGraph

@@ -27,7 +27,7 @@ from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Record
 
 if TYPE_CHECKING:
-    from furuta.studies.tuning import TuningResult
+    from furuta.studies.trials import TuningResult
 
 
 def simulate(loop: Loop | None = None, seconds: float = 60.0, **parts: Part | None) -> Record:

@@ -10,7 +10,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 
 from furuta.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES
-from furuta.studies.tuning import Compensation
+from furuta.studies.trials import Compensation
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_model.parameters import build, declared

@@ -5,7 +5,7 @@ from pathlib import Path
 from matplotlib.ticker import LogLocator, NullLocator
 
 from furuta.figures.figure import saved_figure, style_axis
-from furuta.studies.tuning import TuningResult
+from furuta.studies.trials import TuningResult
 
 # Marks of the axis of the scale; 0 is no compensation.
 TICKS = 0, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 4

@@ -21,11 +21,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, sqrt
-from typing import Any, NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from furuta.settings.recommended import RECOMMENDED, with_super_twisting
+from furuta.studies.trials import (
+    AS_IT_IS,
+    NONE,
+    Compensation,
+    Trial,
+    TuningResult,
+    is_twisting,
+    observed_friction,
+    swing_of,
+)
 from furuta.studies.tuning_plan import (
     CALM,
     CONFIRMING,
@@ -37,18 +47,15 @@ from furuta.studies.tuning_plan import (
     STARTING,
     TuningPlan,
 )
-from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
-from furuta_model.parameters import ParameterError, values
-from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA
+from furuta_model.friction.parameters import SMALLEST_LEVEL
+from furuta_model.parameters import ParameterError
+from furuta_model.state import THETA
 from furuta_sim.simulation.closed_loop import Loop, Simulation
 
 # Called with a message and the pendulum time [s].
 ProgressCallback = Callable[[str, float], None]
 
-NONE, AS_IT_IS = "none", "as it is"
 # Swing [counts] from which the scale changes coarsely; the factors. One count without quantisation
 # [rad].
 FAR = 8.0
@@ -63,90 +70,6 @@ BETTER, GROWN, HOPELESS = 0.9, 1.3, 2.0
 DECAYING = 0.5
 # Scales that are allowed, and those from the observed level; relative difference of two scales.
 SCALES, FROM_LEVEL, DIFFERENT = (0.02, 4.0), (0.05, 2.0), 0.05
-# Speed [rad/s], and part of the highest speed, from which the arm slides; samples that are enough.
-SLIDING, FAST, ENOUGH = 0.05, 0.3, 100
-
-
-class Compensation(NamedTuple):
-    """The parameters of friction observer and controller."""
-
-    observer: ObserverParameters
-    controller: ControllerParameters
-
-    def changes(self, since: Compensation) -> dict[str, dict[str, Any]]:
-        """Values that differ from those of another one, by node."""
-        named = {"friction_observer": self.observer, "controller": self.controller}
-        return {
-            node: {name: new for name, new in values(group).items() if new != values(old)[name]}
-            for (node, group), old in zip(named.items(), since, strict=True)
-        }
-
-
-class Trial(NamedTuple):
-    """A compensation with a scale, and the arm's swing [rad]; infinite outside the guard.
-
-    A trial that is ``given_up`` swung more than that.
-    """
-
-    name: str
-    scale: float
-    compensation: Compensation
-    swing: float = inf
-    given_up: bool = False
-
-    @property
-    def is_inside(self) -> bool:
-        """Whether it was neither given up nor outside the guard."""
-        return self.swing < inf and not self.given_up
-
-    def __str__(self) -> str:
-        """A line of the report."""
-        scale = "" if self.name in (NONE, AS_IT_IS) else f" {self.scale:.3g}"
-        if self.swing == inf:
-            return f"{self.name}{scale}: left the guard"
-        return f"{self.name}{scale}: {'more than ' if self.given_up else ''}{self.swing:.4f} rad"
-
-    def as_json(self) -> dict[str, Any]:
-        """The trial as a JSON object."""
-        return {
-            "compensation": self.name,
-            "scale": self.scale,
-            "phi_peak_to_peak_rad": None if self.swing == inf else self.swing,
-            "given_up": self.given_up,
-        }
-
-
-class TuningResult(NamedTuple):
-    """The motion as it was and with the result, all trials, pendulum time [s], one count of the
-    encoder [rad].
-    """
-
-    before: Trial
-    after: Trial
-    trials: list[Trial]
-    seconds: float
-    encoder_count: float
-
-    @property
-    def gain(self) -> bool:
-        """Whether tuning found something better than what was."""
-        return self.after.compensation != self.before.compensation
-
-    @property
-    def parameters(self) -> dict[str, dict[str, Any]]:
-        """The values that tuning changed, by node."""
-        return self.after.compensation.changes(self.before.compensation)
-
-    def as_json(self) -> dict[str, Any]:
-        """The result as a JSON object."""
-        return {
-            "parameters": self.parameters,
-            "before": self.before.as_json(),
-            "after": self.after.as_json(),
-            "trials": [trial.as_json() for trial in self.trials],
-            "gain": self.gain,
-            "pendulum_seconds": self.seconds,
-        }
 
 
 class TunableLoop(Protocol):
@@ -244,8 +167,7 @@ class Tuner:
 
     def _is_none_safe(self) -> bool:
         """Whether the pendulum stands with little compensation, which is not so on every belt."""
-        tried = [trial for trial in self._trials if trial.name == RECOMMENDED]
-        least = min(tried, key=lambda trial: trial.scale, default=None)
+        least = min(self._tried(RECOMMENDED), key=lambda trial: trial.scale, default=None)
         return least is None or (least.scale <= LITTLE and least.is_inside)
 
     def follow(self, seconds: float, result: TuningResult) -> TuningResult:
@@ -313,21 +235,14 @@ class Tuner:
         best = self._best(name)
         low, high = sorted((best.scale, factor * best.scale))
         # Beyond a scale that was given up, a belt may let the pendulum fall.
-        beyond = any(
-            low < trial.scale < high and not trial.is_inside
-            for trial in self._trials
-            if trial.name == name
-        )
+        beyond = any(low < t.scale < high and not t.is_inside for t in self._tried(name))
         if best.swing <= HOPELESS * self._best().swing and not beyond:
             self._try_scale(name, factor * best.scale)
         return self._best(name).swing < BETTER * best.swing
 
     def _try_scale(self, name: str, scale: float) -> None:
         """Try a scale, unless that is not needed, not allowed, known, or too late."""
-        known = any(
-            trial.name == name and abs(trial.scale / scale - 1.0) < DIFFERENT
-            for trial in self._trials
-        )
+        known = any(abs(trial.scale / scale - 1.0) < DIFFERENT for trial in self._tried(name))
         allowed = SCALES[0] <= scale <= SCALES[1]
         needed = self._best().swing > self._enough
         if needed and allowed and not known and self._has_time(LONGEST):
@@ -337,9 +252,13 @@ class Tuner:
         """Whether ``seconds`` are left before the last measurement."""
         return self._elapsed + seconds + SETTLING + CONFIRMING <= self._plan.seconds
 
+    def _tried(self, name: str) -> list[Trial]:
+        """The trials of a compensation."""
+        return [trial for trial in self._trials if trial.name == name]
+
     def _best(self, name: str = "") -> Trial:
         """The best trial, of a compensation if there is a name; else the standard one, unknown."""
-        trials = [trial for trial in self._trials if name in ("", trial.name)]
+        trials = self._tried(name) if name else self._trials
         standard = self._candidate(RECOMMENDED, 1.0)
         best = min(trials, key=lambda trial: (trial.given_up, trial.swing), default=standard)
         return standard if best.swing == inf else best
@@ -429,35 +348,3 @@ class Tuner:
             f"{what} left the guard of {arm:g} rad of the arm and {pendulum:g} rad (arm-guard, "
             "pendulum-guard); the initial parameters are restored; begin with another strength"
         )
-
-
-def is_twisting(compensation: Compensation) -> bool:
-    """Whether it is of the recommended kind: LuGre with super-twisting."""
-    observer, controller = compensation
-    return observer.compensation == "lugre" and controller.super_twisting > 0.0
-
-
-def swing_of(estimates: list[np.ndarray]) -> float:
-    """The arm's angle in all parts, peak to peak [rad]."""
-    angles = [part[:, PHI] for part in estimates]
-    return float(max(map(np.max, angles)) - min(map(np.min, angles)))
-
-
-def observed_friction(estimates: np.ndarray, known: Friction) -> Friction:
-    """The friction with the levels that ``estimates`` (n, 5) show where the arm slides.
-
-    It is the one that was ``known`` if the arm does not slide in both directions, or if what the
-    estimator observes does not oppose it, as behind an elastic coupling.
-    """
-    speed, friction = estimates[:, PHI_DOT], estimates[:, OBSERVED_FRICTION]
-    slides = np.abs(speed) > max(SLIDING, FAST * np.max(np.abs(speed)))
-    forward, backward = friction[slides & (speed > 0.0)], -friction[slides & (speed < 0.0)]
-    if min(len(forward), len(backward)) < ENOUGH:
-        return known
-    high, low = float(np.mean(forward)), float(np.mean(backward))
-    if not min(high, low) > 0.0:
-        return known
-    level = 0.5 * (high + low)
-    factor = level / known.alpha0 if known.alpha0 else 1.0
-    asymmetry = 0.5 * (high - low) / level
-    return known._replace(alpha0=level, alpha1=factor * known.alpha1, asymmetry=asymmetry)

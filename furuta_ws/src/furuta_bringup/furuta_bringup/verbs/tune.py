@@ -23,7 +23,8 @@ from furuta_ros.errors import UserError
 from furuta_ros.whole_files import whole_file
 
 if TYPE_CHECKING:
-    from furuta.studies.tuning import ProgressCallback, TuningResult
+    from furuta.studies.trials import TuningResult
+    from furuta.studies.tuning import ProgressCallback
 
 DEFAULT = TuningPlan()
 GUARD = FiniteRange(0, min_open=True)
