@@ -1,4 +1,4 @@
-.PHONY: demo test test-all test-noble bench docs page wheel course soak lock clean
+.PHONY: demo test test-all test-noble bench docs page page-tools wheel course soak lock clean
 
 demo:
 	./furuta demo
@@ -8,8 +8,8 @@ demo:
 test: SHORT = and not long
 TESTS = furuta_ws/tests
 PYTEST = tools/in_environment python -m pytest $(TESTS)
-test test-all:
-	tools/in_environment tools/install firmware/requirements.lock $(TESTS)/requirements.lock
+test test-all: page-tools
+	tools/in_environment tools/install $(TESTS)/requirements.lock
 	tools/in_environment python -m furuta_bringup.warm_up
 	$(PYTEST) -m "not realtime $(SHORT)" \
 		--numprocesses auto --dist loadfile --no-loadscope-reorder
@@ -55,9 +55,14 @@ docs: page
 	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
 
 # The closed loop in one file for a browser; the site shows it in the tutorial.
-page:
-	tools/in_environment tools/install firmware/requirements.lock
+page: page-tools
 	tools/in_environment python docs/site/one_page.py output/furuta.html
+
+# Compiler, Node.js, three.js and esbuild. Both npm packages are exact versions without dependencies.
+PAGE = docs/site/page
+page-tools:
+	tools/in_environment tools/install firmware/requirements.lock $(PAGE)/requirements.lock
+	tools/in_environment npm install --prefix $(PAGE) --no-package-lock --ignore-scripts --no-audit --no-fund --silent
 
 # One wheel with the library and the command line, for Python without ROS.
 wheel:
@@ -82,7 +87,7 @@ soak:
 COMPILE = tools/in_environment uv pip compile --quiet --universal --no-annotate --no-header \
 	--no-emit-index-url
 OURS = pyproject.toml requirements.in
-LOCKED = benchmarks course examples firmware $(TESTS)
+LOCKED = benchmarks course examples firmware $(PAGE) $(TESTS)
 lock:
 	$(COMPILE) --python-version 3.10 --extra ros --extra view $(OURS) --output-file requirements.lock
 	$(foreach folder,$(LOCKED),$(COMPILE) --python-version 3.10 --constraint requirements.lock \

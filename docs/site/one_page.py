@@ -1,7 +1,9 @@
 """Builds the page in one file: ``python docs/site/one_page.py output/furuta.html``."""
 
 import base64
+import gzip
 import json
+import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -12,10 +14,14 @@ import yaml
 from page_designs import (
     BASE,
     CONTROL_KNOBS,
+    FRICTION_KNOBS,
     KNOBS,
+    LEVELS,
     PUSHES,
     SELECTING,
+    STRENGTH_KNOB,
     Group,
+    Knob,
     design_of,
     groups,
     loop_of,
@@ -30,6 +36,8 @@ from furuta_hw.emulator.firmware_compiler import run_compiler
 ROOT = Path(__file__).parents[2]
 HERE = ROOT / "docs" / "site" / "page"
 SCENES = ROOT / "furuta_ws/src/furuta_bringup/furuta_bringup/page/guided_scenes.yaml"
+DECLARED = yaml.safe_load(SCENES.read_text())
+BUNDLER = HERE / "node_modules" / ".bin" / "esbuild"
 OPTIONS = "-std=c99", "-target", "wasm32-freestanding", "-O2", "-ffp-contract=off"
 # The only library is the compiler's own, which has fma.
 ALONE = "-nodefaultlibs", "-fno-builtin-memset", "-Wl,--no-entry", "-Wl,--strip-all"
@@ -76,36 +84,50 @@ def data() -> dict[str, Any]:
         "wasm": encoded(web_assembly(page.code)),
         "design": encoded(design.astype("<f8").tobytes()),
         "pushes": page.places[PUSHES],
+        "strength": [place for name, place in page.places.items() if name.endswith("_strength")],
         "fall_angle": BASE.controller.fall_angle,
+        "encoder_counts": BASE.plant.sensors.encoder_counts,
         "groups": [table(group, page) for group in made],
-        "knobs": [
-            {
-                "name": knob.name,
-                "title": knob.title,
-                "meaning": knob.meaning,
-                "values": list(knob.values),
-                "initial": knob.initial,
-            }
-            for knob in knobs.values()
-        ],
-        "scenes": scenes(),
+        "knobs": [shown(knob) for knob in (*knobs.values(), STRENGTH_KNOB)],
+        "measured": DECLARED["measured"],
+        "scenes": [scene | {"steps": steps(scene["steps"])} for scene in DECLARED["scenes"]],
+        "what_if": steps(DECLARED["what_if"]),
         "cycles": cycles(),
     }
 
 
-def scenes() -> list[dict[str, Any]]:
-    """The guided scenes, with the knobs that each step turns."""
-    told = yaml.safe_load(SCENES.read_text())["scenes"]
-    for scene in told:
-        for step in scene["steps"]:
-            step["knobs"] = turned(step.pop("settings", {}), step.pop("times", {}))
-    return list(told)
+def shown(knob: Knob) -> dict[str, Any]:
+    """A knob as the page shows it: one that multiplies a number is a slider that shows it."""
+    plain = DECLARED["in_sight"].get(knob.shows, {})
+    base = {**BASE_VALUES, STRENGTH_KNOB.shows: 1.0}.get(knob.shows)
+    return {
+        "name": knob.name,
+        "title": plain.get("name", knob.title),
+        "symbol": plain.get("symbol", ""),
+        "meaning": knob.meaning,
+        "values": list(knob.values),
+        "words": [DECLARED["compensations"].get(value, value) for value in knob.values],
+        "initial": knob.initial,
+        "unit": knob.unit,
+        "in_sight": bool(knob.unit),
+        **({"base": base} if base is not None else {}),
+    }
+
+
+def steps(told: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Steps of a scene or what-ifs, with the knobs that they turn instead of their settings."""
+    return [
+        {
+            **{key: step[key] for key in step.keys() - {"settings", "times"}},
+            "knobs": turned(step.get("settings", {}), step.get("times", {})),
+        }
+        for step in told
+    ]
 
 
 def turned(settings: dict[str, Any], factors: dict[str, float]) -> dict[str, str]:
     """The values of knobs that a step sets. Raises ValueError if no knob sets one of them."""
-    base = KNOB_VALUES["1"]
-    wanted = settings | {name: factor * base[name] for name, factor in factors.items()}
+    wanted = settings | {name: factor * BASE_VALUES[name] for name, factor in factors.items()}
     found = {
         knob.name: label
         for knobs in KNOBS.values()
@@ -125,36 +147,47 @@ def turned(settings: dict[str, Any], factors: dict[str, float]) -> dict[str, str
     return found
 
 
-KNOB_VALUES = {
-    "1": {
-        name: value
-        for knobs in KNOBS.values()
-        for knob in knobs
-        for name, value in knob.values.get("1", {}).items()
-    }
+BASE_VALUES = {
+    name: value
+    for knobs in KNOBS.values()
+    for knob in knobs
+    for name, value in knob.values.get("1", {}).items()
 }
 
 
 def cycles() -> dict[str, Any]:
-    """The exact cycle and its prediction for each value of the first poles, without compensation.
+    """The exact cycle and its prediction without compensation, by friction level and first poles.
 
-    ``orbit`` has arm angle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's
-    motion peak to peak [rad].
+    For each level with the usual poles, and for all poles at the usual level. ``orbit`` has arm
+    angle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's motion peak to peak
+    [rad].
     """
+    levels, poles = (
+        next(knob for knob in (*FRICTION_KNOBS, *CONTROL_KNOBS) if knob.name == name).values
+        for name in ("level", "omega1")
+    )
+    wanted = {(f"{level:g}", "1") for level in LEVELS} | {("1", pole) for pole in poles}
     found = {}
-    for label, settings in next(k for k in CONTROL_KNOBS if k.name == "omega1").values.items():
-        loop = furuta.ideal_loop(loop_of(settings))
+    for level, pole in sorted(wanted):
+        loop = furuta.ideal_loop(loop_of({**levels[level], **poles[pole]}))
         cycle = furuta.limit_cycle(loop)
         predicted = furuta.predict_cycles(loop).cycles
         if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s) or not predicted:
             continue
         orbit = trace(loop, cycle).state[:, :2]
-        found[label] = {
+        found[f"{level} {pole}"] = {
             "exact": cycle.phi_peak_to_peak_rad,
             "predicted": predicted[-1].phi_peak_to_peak_rad,
-            "orbit": orbit[:: 1 + len(orbit) // 300].round(5).tolist(),
+            "orbit": orbit[:: 1 + len(orbit) // 200].round(5).tolist(),
         }
     return found
+
+
+def bundled() -> str:
+    """The script of the page with what it uses of three.js; `make page-tools` installs both."""
+    options = "--bundle", "--minify", "--format=esm", "--target=es2022", "--log-level=warning"
+    command = [BUNDLER, HERE / "page.js", *options]
+    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
 
 
 def build(out: Path) -> int:
@@ -162,8 +195,8 @@ def build(out: Path) -> int:
     html = filled_text(
         (HERE / "page.html").read_text(),
         style=(HERE / "page.css").read_text(),
-        data=json.dumps(data()).replace("</", "<\\/"),
-        script=(HERE / "loop.js").read_text() + (HERE / "page.js").read_text(),
+        data=encoded(gzip.compress(json.dumps(data()).encode(), mtime=0)),
+        script=bundled().replace("</script", "<\\/script"),
     )
     out.parent.mkdir(parents=True, exist_ok=True)
     return out.write_text(html)

@@ -1,7 +1,8 @@
 """Everything that can be set on the page, and the designs that Python makes of it.
 
 A knob has a few values, each of which is some settings by name. The knobs of a group are combined
-in all ways. The page then needs no design of its own: it looks up the row of its knobs.
+in all ways. The page then needs no design of its own: it looks up the row of its knobs. Only the
+strength of the compensation multiplies what the rows say.
 """
 
 from collections.abc import Iterator, Mapping
@@ -25,17 +26,26 @@ PUSHES = "plant_parts_pushes"
 COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive", "recommended")
 BASE = furuta.make_loop(PUSH)
 FRICTION = BASE.plant.friction.parameters
+LEVELS = (0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.5, 3)
+BELIEVED = (0.25, 0.5, 0.75, 1, 1.25, 1.5, 2)
+STRENGTHS = (0, 0.1, 0.2, 0.3, 0.5, 0.75, 1, 1.25, 1.5, 2)
+STRENGTH = "controller.strength"
 WHOLE_TURN = {f"{node}.sensors.potentiometer_range": np.pi for node in ("plant", "estimator")}
 
 
 class Knob(NamedTuple):
-    """What can be turned: its name, title and meaning for the reader, and settings by value."""
+    """What can be turned: its name, title and meaning for the reader, and settings by value.
+
+    A knob that multiplies a parameter names it, and its ``unit``: the page shows its value.
+    """
 
     name: str
     title: str
     meaning: str
     values: dict[str, Settings]
     initial: str
+    shows: str = ""
+    unit: str = ""
 
 
 def times(factors: tuple[float, ...], **parameters: float) -> dict[str, Settings]:
@@ -75,11 +85,13 @@ FRICTION_KNOBS = (
         "Friction level ×",
         f"true α₀ = {FRICTION.alpha0:g} V and α₁ = {FRICTION.alpha1:g} V, times this",
         times(
-            (0, 0.5, 0.75, 1, 1.25, 1.5, 2),
+            LEVELS,
             plant__friction__alpha0=FRICTION.alpha0,
             plant__friction__alpha1=FRICTION.alpha1,
         ),
         "1",
+        "plant.friction.alpha0",
+        "V",
     ),
     Knob(
         "stiffness",
@@ -119,11 +131,13 @@ CONTROL_KNOBS = (
         "Believed level ×",
         "α₀ and α₁ of the compensation's model, times this",
         times(
-            (0.5, 1, 1.5),
+            BELIEVED,
             friction_observer__alpha0=FRICTION.alpha0,
             friction_observer__alpha1=FRICTION.alpha1,
         ),
         "1",
+        "friction_observer.alpha0",
+        "V",
     ),
     Knob(
         "omega1",
@@ -134,9 +148,27 @@ CONTROL_KNOBS = (
     ),
     MODE,
 )
+DRIVE_KNOBS = (
+    Knob(
+        "motor",
+        "Motor",
+        "late: its torque follows the command 10 ms later, with a lag of 15 ms",
+        {"as it is": {}, "late": {"plant.drive.delay": 10, "plant.drive.lag": 0.015}},
+        "as it is",
+    ),
+)
+STRENGTH_KNOB = Knob(
+    "strength",
+    "Strength ×",
+    "of the whole compensation: 0 for none, 1 as designed",
+    times(STRENGTHS, controller__strength=1.0),
+    "1",
+    STRENGTH,
+)
 # The knobs that set the numbers whose names begin so.
 KNOBS = {
     ("plant_friction", "plant_substeps", "plant_parts_coupling"): FRICTION_KNOBS,
+    ("plant_parts_drive",): DRIVE_KNOBS,
     ("plant_sensors", "control_estimator"): SENSOR_KNOBS,
     ("control_observer", "control_controller"): CONTROL_KNOBS,
 }
@@ -155,8 +187,11 @@ class Design(NamedTuple):
 
 
 def loop_of(settings: Settings) -> Loop:
-    """The loop with these settings, prepared for pushes."""
-    return furuta.make_loop({**PUSH, **settings})
+    """The loop with these settings, prepared for pushes; a strength multiplies what they say."""
+    given = {name: value for name, value in settings.items() if name != STRENGTH}
+    loop = furuta.make_loop({**PUSH, **given})
+    strength = settings.get(STRENGTH, 1.0) * loop.controller.strength
+    return loop._replace(controller=loop.controller._replace(strength=strength))
 
 
 def design_of(loop: Loop) -> Design:

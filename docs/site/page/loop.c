@@ -40,9 +40,10 @@ double *EXPORT(signals_address)(void) {
 }
 
 /* Puts the pendulum back, or begins for the first time: nothing is remembered. */
-void EXPORT(begin)(double theta, bool forget) {
+void EXPORT(begin)(double phi, double theta, bool forget) {
     const loop_plant_memory at_rest = {0};
     plant_memory = at_rest;
+    plant_memory.x[0] = phi;
     plant_memory.x[2] = theta;
     applied = 0.0;
     if (forget) {

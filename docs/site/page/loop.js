@@ -1,8 +1,16 @@
 // The compiled loop: turns knobs, runs samples, reads signals.
+export const RATE = 1000;  // samples per second
+const START = 0.05;  // angle of the pendulum at the beginning [rad]
 const decode = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 const numbers = (text) => new Float64Array(decode(text).buffer);
 
-class Loop {
+// What Python has put into the page: compressed JSON.
+export async function unpacked(text) {
+  const stream = new Blob([decode(text)]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).json();
+}
+
+export class Loop {
   constructor(data) {
     this.data = data;
     const { exports } = new WebAssembly.Instance(new WebAssembly.Module(decode(data.wasm)));
@@ -16,7 +24,7 @@ class Loop {
     this.rows = data.groups.map((group) => numbers(group.rows));
     this.knobs = Object.fromEntries(data.knobs.map((knob) => [knob.name, knob.initial]));
     this.turn({});
-    exports.begin(0.05, 1);
+    exports.begin(0, START, 1);
   }
 
   // Sets knobs by name; the rows of the table are in the order of their combinations.
@@ -33,6 +41,11 @@ class Loop {
       if (g === 0) this.law = group.law[row];
       this.control = group.control[row];
     });
+    for (const place of this.data.strength) this.design[place] *= Number(this.knobs.strength);
+  }
+
+  get time() {
+    return this.signals[13] / RATE;
   }
 
   // A push that begins now, for so many samples: torques on arm and pendulum [V].
@@ -41,11 +54,12 @@ class Loop {
     this.design.set([now, now + samples, arm, pendulum, 0, 0], this.data.pushes);
   }
 
-  putBack(theta = 0.05) {
-    this.code.begin(theta, 0);
+  // At rest with these angles [rad]; the controller begins anew.
+  putBack(phi = 0, theta = START) {
+    this.code.begin(phi, theta, 0);
     this.design.fill(0, this.data.pushes);
     this.signals.fill(0);
-    this.signals[2] = theta;
+    [this.signals[0], this.signals[2]] = [phi, theta];
   }
 
   sample() {

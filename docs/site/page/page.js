@@ -1,263 +1,465 @@
-// The page: drawing, charts, scenes and controls around the compiled loop.
-const DATA = JSON.parse(document.getElementById("data").textContent);
-const RATE = 1000, SHOWN = 10 * RATE, EVERY = 5, MEASURED = 5 * RATE, SETTLED = 8 * RATE;
-const ARM = "#0072b2", PENDULUM = "#d55e00", FRICTION = "#000000", ESTIMATE = "#009e73", COMMAND = "#56b4e9";
-// Columns of the history: arm angle and speed, pendulum, friction, its estimate, command.
-const PHI = 0, SPEED = 1, THETA = 2, F = 3, F_HAT = 4, U = 5;
-const $ = (id) => document.getElementById(id);
-const loop = new Loop(DATA);
-// What each step has measured, by scene and step. It is measured until the reader changes something.
-const results = {};
-let history = [], paused = false, speed = 1, owed = 0, scene = 0, step = 0, measuring = true, planned = null;
-let last = performance.now(), frames = 0;
+// The page: scenes, controls, pointer and keys around the compiled loop, its stage and its charts.
+import { chart, forgetColours, text } from "./charts.js";
+import { Loop, RATE, unpacked } from "./loop.js";
+import { numbersFile, pictureFile } from "./files.js";
+import { Stage } from "./stage.js";
 
-function forget() {
+const DATA = await unpacked(document.getElementById("data").textContent);
+const EVERY = 5, SHOWN = 10, DEGREE = Math.PI / 180, PLANE = 5;
+const { push_after: PUSH_AFTER, settled: SETTLED, window: WINDOW } = DATA.measured;
+const PUSHES = { arm: 2, pendulum: 0.3 };  // for 0.1 s [V]
+const LONG_BAR = 5 * DEGREE;  // a swing whose bar may fill its line
+const SPEEDS = { "¼": 0.25, "½": 0.5, "1×": 1, "2×": 2 };
+const PAUSE = '<svg viewBox="0 0 16 16"><rect x="3" y="2" width="4" height="12" rx="1"/><rect x="9" y="2" width="4" height="12" rx="1"/></svg>';
+const PLAY = '<svg viewBox="0 0 16 16"><path d="M4 2v12l10-6z"/></svg>';
+// Columns of the history: time [s], arm angle and speed, pendulum, friction, its estimate, voltage.
+const TIME = 0, PHI = 1, SPEED = 2, THETA = 3, F = 4, F_HAT = 5, U = 6;
+
+const $ = (id) => document.getElementById(id);
+const make = (tag, properties = {}, ...children) => {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+};
+const loop = new Loop(DATA);
+const knobOf = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob]));
+const initial = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob.initial]));
+// The swing of each step [rad], or "fell".
+const results = DATA.scenes.map((scene) => scene.steps.map(() => null));
+const state = { scene: 0, step: 0, paused: false, speed: 1, since: 0, was: null, before: null, push: null, held: null, side: 1, fell: false };
+let history = [], owed = 0, last = performance.now();
+
+const turns = (angle) => 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+const wrapped = (angle) => angle - turns(angle);
+const leans = () => Math.abs(wrapped(loop.signals[2])) > DATA.fall_angle;
+const hasFallen = () => state.fell && loop.knobs.mode !== "swing up";
+const remaining = () => Math.max(0, SETTLED - (loop.time - state.since));
+const isStep = () => state.step !== null;
+const newest = (seconds) => history.slice(-Math.round((seconds * RATE) / EVERY));
+
+// The ends of the arm's swing in what is measured [rad].
+function swing() {
+  const angles = newest(WINDOW).map((row) => row[PHI]);
+  return angles.length ? [Math.min(...angles), Math.max(...angles)] : [0, 0];
+}
+
+const size = () => swing()[1] - swing()[0];
+
+export function degrees(radians) {
+  const value = radians / DEGREE;
+  return `${text(value, value < 3 ? 2 : 1)}°`;
+}
+
+function counts(radians) {
+  const n = (radians * DATA.encoder_counts) / (2 * Math.PI);
+  if (n < 0.95) return "less than one encoder count";
+  return n < 1.05 ? "one encoder count" : `${n.toFixed(n < 9.5 ? 1 : 0)} encoder counts`;
+}
+
+// Something has changed: what comes is measured anew, and the motion so far is shown in grey.
+function changed() {
+  if (!remaining() && !hasFallen()) {
+    state.was = size();
+    state.before = { rows: history, at: loop.time };
+  } else if (state.before) state.before.at = Math.max(state.before.at, state.since);
+  state.since = loop.time;
+}
+
+// Begins anew at rest, with the arm and the pendulum at these angles [rad].
+function reset(phi = 0, theta = undefined) {
+  loop.putBack(phi, theta);
+  Object.assign(state, { since: 0, push: null, fell: false });
+  if (state.before) state.before.at = 0;
   history = [];
   owed = 0;
 }
 
-function reset() {
-  loop.putBack();
-  forget();
+function push(arm, pendulum) {
+  changed();
+  loop.push(100, arm, pendulum);
 }
 
 function advance(samples) {
-  for (; samples > 0; samples -= EVERY) {
+  for (; samples >= EVERY; samples -= EVERY) {
     loop.run(EVERY);
     const s = loop.signals;
-    if (planned !== null && s[13] >= planned.at) {
-      loop.push(100, planned.arm, planned.pendulum);
-      planned = null;
+    history.push([loop.time, s[0], s[1], wrapped(s[2]), s[10], s[11], s[12]]);
+    if (state.fell && !leans() && loop.knobs.mode === "swing up") state.fell = false;
+    if (state.push && loop.time - state.since >= PUSH_AFTER) {
+      push(...state.push);
+      state.push = null;
     }
-    history.push([s[0], s[1], wrapped(s[2]), s[10], s[11], s[12]]);
+    if (leans()) Object.assign(state, { since: loop.time, fell: true });
   }
-  if (history.length > SHOWN / EVERY) history = history.slice(-SHOWN / EVERY);
+  if (history.length > (2 * SHOWN * RATE) / EVERY) history = newest(SHOWN);
 }
 
-function wrapped(angle) {
-  return angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI));
+// Knobs and scenes
+
+export function setKnobs(knobs) {
+  const fell = hasFallen(), { mode } = loop.knobs;
+  changed();
+  loop.turn(knobs);
+  if (fell || mode !== loop.knobs.mode || Math.abs(loop.signals[0]) > 2) reset();
+  showKnobs();
 }
 
-function hasFallen() {
-  return Math.abs(wrapped(loop.signals[2])) > DATA.fall_angle && loop.knobs.mode !== "swing up";
+// The user's own setting: no step of a scene.
+function choose(knobs) {
+  Object.assign(state, { step: null, push: null });
+  setKnobs(knobs);
+  showScene();
 }
 
-function prepared(canvas) {
-  const scale = window.devicePixelRatio || 1;
-  const width = canvas.clientWidth, height = canvas.clientHeight;
-  if (canvas.width !== Math.round(width * scale)) canvas.width = Math.round(width * scale);
-  if (canvas.height !== Math.round(height * scale)) canvas.height = Math.round(height * scale);
-  const c = canvas.getContext("2d");
-  c.setTransform(scale, 0, 0, scale, 0, 0);
-  c.clearRect(0, 0, width, height);
-  return [c, width, height];
+export function enter(scene, step) {
+  const { knobs, push: pushed } = DATA.scenes[scene].steps[step];
+  Object.assign(state, { scene, step });
+  setKnobs({ ...initial, ...knobs });
+  state.push = pushed ? [pushed["pushes.arm"] || 0, pushed["pushes.pendulum"] || 0] : null;
+  results[scene][step] = null;
+  showScene();
 }
 
-function line(c, points, color, width = 1.5, dash = []) {
-  c.beginPath();
-  c.strokeStyle = color;
-  c.lineWidth = width;
-  c.setLineDash(dash);
-  points.forEach(([x, y], i) => (i ? c.lineTo(x, y) : c.moveTo(x, y)));
-  c.stroke();
+function next() {
+  const { steps } = DATA.scenes[state.scene], step = (state.step ?? -1) + 1;
+  enter(...(step < steps.length ? [state.scene, step] : [(state.scene + 1) % DATA.scenes.length, 0]));
 }
 
-// Axes for values within ±limits; returns what turns values into pixels.
-function axes(c, width, height, across, up, zero) {
-  const x = (v) => 40 + (width - 50) * (zero ? (v + across) / (2 * across) : v / across);
-  const y = (v) => (height - 18) / 2 * (1 - v / up) + 2;
-  c.font = "11px sans-serif";
-  c.fillStyle = "#333";
-  for (const v of [-0.8 * up, 0, 0.8 * up]) {
-    line(c, [[40, y(v)], [width - 10, y(v)]], "#ddd", 1);
-    c.fillText(Number(v.toPrecision(2)), 2, y(v) + 4);
-  }
-  const marks = zero ? [-0.8 * across, 0, 0.8 * across] : [0, across / 2, across];
-  for (const v of marks) {
-    c.fillText(zero ? Number(v.toPrecision(2)) : `${v - across} s`, Math.min(x(v), width - 28), height - 3);
-  }
-  return [x, y];
-}
-
-function rounded(limit) {
-  return [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((each) => each >= limit) || 100;
-}
-
-function extent(...columns) {
-  let largest = 0;
-  for (const row of history) for (const i of columns) largest = Math.max(largest, Math.abs(row[i]));
-  return largest;
-}
-
-function overTime(id, columns) {
-  const [c, width, height] = prepared($(id));
-  const [x, y] = axes(c, width, height, 10, 1.1 * rounded(extent(...columns.map(([i]) => i))), false);
-  const from = SHOWN / EVERY - history.length;
-  for (const [i, color, dash, width] of columns) {
-    line(c, history.map((row, k) => [x((from + k) * EVERY / RATE), y(row[i])]), color, width, dash);
-  }
-}
-
-function cycle() {
-  const { knobs } = loop;
-  const plain = ["level", "stiffness"].every((name) => knobs[name] === "1") && knobs.law === "lugre"
-    && knobs.belt === "0" && knobs.mode === "balance";
-  return plain ? DATA.cycles[knobs.omega1] : undefined;
-}
-
-// Curves over the last seconds in a plane; a curve is rows, two columns, color and width.
-function plane(id, curves) {
-  const [c, width, height] = prepared($(id));
-  const most = (k) => Math.max(...curves.map(([rows, ...i]) => Math.max(0, ...rows.map((row) => Math.abs(row[i[k]])))));
-  const [x, y] = axes(c, width, height, rounded(most(0)), 1.1 * rounded(most(1)), true);
-  for (const [rows, i, k, color, thick] of curves) line(c, rows.map((row) => [x(row[i]), y(row[k])]), color, thick);
-}
-
-// Perspective from above: x to the right, y away, z up; lengths in arm lengths.
-function draw() {
-  const [c, width, height] = prepared($("drawing"));
-  const scale = height / 3.6;
-  const at = ([x, y, z]) => {
-    const far = 7 + 0.9 * y - 0.35 * z;
-    return [width / 2 + scale * 7 * x / far, height * 0.5 - scale * 7 * (0.9 * z + 0.35 * y) / far];
-  };
-  const [phi, , theta] = loop.signals;
-  const [cos, sin] = [Math.cos(phi - 0.9), Math.sin(phi - 0.9)];
-  const joint = [cos, sin, 0], l = 1.3;
-  const tip = [cos - l * Math.sin(theta) * sin, sin + l * Math.sin(theta) * cos, l * Math.cos(theta)];
-  const circle = Array.from({ length: 61 }, (_, i) => [Math.cos(i * Math.PI / 30), Math.sin(i * Math.PI / 30), 0]);
-  line(c, circle.map(at), "#ddd", 1);
-  line(c, [at([0, 0, -1.2]), at([0, 0, 0])], "#666", 12);
-  line(c, [at([0, 0, 0]), at(joint)], ARM, 8);
-  line(c, [at(joint), at(tip)], PENDULUM, 6);
-  c.beginPath();
-  c.fillStyle = PENDULUM;
-  c.arc(...at(tip), 9, 0, 7);
-  c.fill();
+function back() {
+  const { scene, step } = state;
+  if (step) enter(scene, step - 1);
+  else if (scene) enter(scene - 1, DATA.scenes[scene - 1].steps.length - 1);
 }
 
 function measured() {
-  const part = history.slice(-MEASURED / EVERY);
-  const range = (i) => Math.max(...part.map((row) => row[i])) - Math.min(...part.map((row) => row[i]));
-  return part.length < 2 ? [0, 0] : [range(PHI), range(THETA)];
+  return hasFallen() ? "fell" : remaining() ? null : size();
 }
 
-function tell() {
-  const [arm, pendulum] = measured();
-  const known = cycle();
-  const predicted = known && loop.knobs.compensation === "none"
-    ? ` Predicted without compensation: exact cycle ${known.exact.toFixed(3)} rad, describing function ${known.predicted.toFixed(3)} rad.` : "";
-  $("state").textContent = `${(loop.signals[13] / RATE).toFixed(1)} s. Peak to peak in the last 5 s: arm ${arm.toFixed(3)} rad, `
-    + `pendulum ${pendulum.toFixed(3)} rad.${predicted}`;
-  $("fallen").hidden = !hasFallen();
-  if (measuring && hasFallen()) results[[scene, step]] = "fallen";
-  else if (measuring && loop.signals[13] > SETTLED) results[[scene, step]] = `${arm.toFixed(3)} rad`;
-  document.querySelectorAll("[data-step]").forEach((cell) => { cell.textContent = results[[scene, cell.dataset.step]] || "…"; });
+function said(result) {
+  return result === "fell" ? result : degrees(result);
 }
 
-function show() {
-  draw();
-  overTime("angles", [[PHI, ARM, [], 1.5], [THETA, PENDULUM, [5, 2], 1.5]]);
-  overTime("voltages", [[U, COMMAND, [], 1], [F, FRICTION, [], 2.5], [F_HAT, ESTIMATE, [], 1.2]]);
-  const newest = history.slice(-MEASURED / EVERY);
-  plane("frictions", [[newest, SPEED, F, FRICTION, 3], [newest, SPEED, F_HAT, ESTIMATE, 1.2]]);
-  plane("phase", [[(cycle() || { orbit: [] }).orbit, 0, 1, "#999", 4], [newest, PHI, SPEED, ARM, 1.2]]);
+function waiting() {
+  if (loop.knobs.mode === "swing up" && leans()) return "swinging up";
+  return `measuring: ${Math.ceil(remaining())} s`;
 }
 
-function frame(now) {
-  owed += Math.min(now - last, 100) * speed * RATE / 1000;
-  last = now;
-  if (!paused) advance(Math.floor(owed / EVERY) * EVERY);
-  owed = paused ? 0 : owed % EVERY;
-  show();
-  if (++frames % 10 === 0) tell();
-  requestAnimationFrame(frame);
-}
+export const cycle = () => {
+  const { knobs } = loop;
+  const others = DATA.knobs.filter(({ name }) => !["level", "omega1", "compensation", "believed", "strength", "sensors"].includes(name));
+  return others.every(({ name, initial: usual }) => knobs[name] === usual) ? DATA.cycles[`${knobs.level} ${knobs.omega1}`] : undefined;
+};
 
-function setKnobs(knobs) {
-  loop.turn(knobs);
-  for (const [name, value] of Object.entries(loop.knobs)) $(`knob-${name}`).value = value;
-}
-
-function enter(newScene, newStep) {
-  [scene, step] = [newScene, newStep];
-  const told = DATA.scenes[scene], { knobs, push } = told.steps[step];
-  const initial = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob.initial]));
-  setKnobs({ ...initial, ...knobs });
-  reset();
-  measuring = true;
-  delete results[[scene, step]];
-  planned = push ? { at: 2 * RATE, arm: push["pushes.arm"] || 0, pendulum: push["pushes.pendulum"] || 0 } : null;
-  tellScene();
-}
-
-function tellScene() {
-  const told = DATA.scenes[scene], { name, look } = told.steps[step];
-  const element = (tag, text, kind = "") => Object.assign(document.createElement(tag), { textContent: text, className: kind });
-  const button = (text, action) => Object.assign(element("button", text), { onclick: action });
-  const choice = element("select", "");
-  choice.setAttribute("aria-label", "Scene");
-  DATA.scenes.forEach((each, i) => choice.add(new Option(`${i + 1} ${each.title}`, i, false, i === scene)));
-  choice.onchange = () => enter(Number(choice.value), 0);
-  const next = step + 1 < told.steps.length ? [scene, step + 1] : [(scene + 1) % DATA.scenes.length, 0];
-  const table = element("table", "");
-  told.steps.forEach((each, i) => {
-    const result = element("td", "…");
-    result.dataset.step = i;
-    table.insertRow().append(element("th", (i === step ? "▸ " : "") + each.name), result);
+function showScene() {
+  const scene = DATA.scenes[state.scene], { steps } = scene;
+  const rows = steps.map((step, i) => {
+    const choice = make("input", { type: "radio", name: "step", checked: i === state.step, onchange: () => enter(state.scene, i) });
+    return make("label", {}, choice, make("span", { textContent: step.name }), make("output"));
   });
-  table.createCaption().textContent = "Arm peak to peak, measured after 8 s";
+  const known = scene.predict
+    ? [["exact cycle", "exact"], ["describing function", "predicted"]].map(([name, key]) => {
+      const number = cycle()?.[key];
+      return make("div", { className: "known" }, name, make("b", { textContent: number ? degrees(number) : "no cycle" }));
+    }) : [];
+  const look = isStep() ? steps[state.step].look : "These are your own settings. Choose a line to come back to the scene.";
+  const following = DATA.scenes[state.scene + 1];
+  const isLast = state.step === steps.length - 1;
+  const onward = !isLast ? "Next step" : following ? `Next: ${following.name}` : "Begin again";
   $("scene").replaceChildren(
-    element("h2", "Guided scenes"), choice, " ",
-    button(next[0] === scene ? "Next step (N)" : "Next scene (N)", () => enter(...next)), " ",
-    ...(step ? [button("Back", () => enter(scene, step - 1)), " "] : []), button("Free play", freePlay),
-    element("p", told.text), element("p", `Step ${step + 1} of ${told.steps.length}, ${name}. ${look}`, "look"), table,
+    make("h2", { textContent: scene.title }), make("p", { textContent: scene.text }),
+    make("p", { className: "look", textContent: look }),
+    make("fieldset", { ariaLabel: "Steps of the scene" }, ...rows, ...known),
+    make("div", { className: "row" }, make("button", { textContent: "Back", disabled: !state.scene && !state.step, onclick: back }),
+      make("button", { textContent: onward, className: "primary", title: "N", onclick: next })),
   );
+  tell();
 }
 
-function freePlay() {
-  measuring = false;
-  const back = Object.assign(document.createElement("button"), { textContent: "Back to the scenes (N)", onclick: () => enter(scene, step) });
-  $("scene").replaceChildren(back);
+function showScenes() {
+  $("scenes").replaceChildren(...DATA.scenes.map((scene, i) => {
+    const button = make("button", { onclick: () => enter(i, 0), title: scene.title }, make("b"), make("span", { textContent: scene.name }));
+    return make("li", {}, button);
+  }));
+}
+
+function showKnobs() {
+  for (const { name, values, base, unit } of DATA.knobs) {
+    const control = $(`knob-${name}`), value = loop.knobs[name];
+    if (base === undefined) control.value = value;
+    else {
+      control.value = values.indexOf(value);
+      control.style.setProperty("--part", `${(100 * control.value) / (values.length - 1)}%`);
+      const shown = `${Number((base * Number(value)).toPrecision(3))} ${unit}`.trim();
+      control.ariaValueText = control.parentElement.querySelector("output").textContent = shown;
+    }
+  }
+  DATA.what_if.forEach(({ knobs }, i) => {
+    $("chips").children[i].ariaPressed = Object.entries(knobs).every(([name, value]) => loop.knobs[name] === value);
+  });
 }
 
 function makeKnobs() {
-  const text = (tag, words) => Object.assign(document.createElement(tag), { textContent: words });
-  $("knobs").append(text("h2", "Parameters"));
-  for (const { name, title, meaning, values } of DATA.knobs) {
-    const row = Object.assign(document.createElement("div"), { className: "knob" });
-    const label = Object.assign(text("label", title), { htmlFor: `knob-${name}` });
-    const choice = Object.assign(document.createElement("select"), { id: `knob-${name}` });
-    values.forEach((value) => choice.add(new Option(value)));
-    choice.onchange = () => {
-      measuring = false;
-      setKnobs({ [name]: choice.value });
-    };
-    row.append(label, choice, text("small", meaning));
-    $("knobs").append(row);
+  $("chips").append(...DATA.what_if.map(({ name, knobs }) => make("button", {
+    textContent: name,
+    onclick: (event) => {
+      const isOn = event.target.ariaPressed === "true";
+      choose(isOn ? Object.fromEntries(Object.keys(knobs).map((each) => [each, initial[each]])) : knobs);
+    },
+  })));
+  for (const { name, title, symbol, meaning, values, words, base, in_sight: inSight } of DATA.knobs) {
+    const control = base === undefined
+      ? make("select", { onchange: () => choose({ [name]: control.value }) }, ...values.map((value, i) => new Option(words[i], value)))
+      : make("input", { type: "range", min: 0, max: values.length - 1, oninput: () => choose({ [name]: values[control.value] }) });
+    control.id = `knob-${name}`;
+    const label = make("label", { htmlFor: control.id }, title, " ", symbol, ...(base === undefined ? [] : [make("output")]));
+    const knob = make("div", { className: "knob" }, label, control);
+    if (!inSight) knob.append(make("small", { textContent: meaning }));
+    $(inSight ? "sliders" : "knobs").append(knob);
+  }
+  showKnobs();
+}
+
+// What is told in words and numbers, a few times a second.
+export function tell() {
+  const result = measured(), waits = result === null;
+  if (isStep() && !waits) {
+    if (results[state.scene][state.step] === null) $("said").textContent = `The arm swings ${said(result)}.`;
+    results[state.scene][state.step] = result;
+  }
+  const fell = result === "fell";
+  $("swing").textContent = fell ? "–" : degrees(size());
+  $("counts").textContent = waits ? waiting() : fell ? "fell" : counts(size());
+  $("was").textContent = state.was && !waits ? `before: ${degrees(state.was)}` : "";
+  document.querySelector(".big").classList.toggle("measuring", waits || fell);
+  $("fallen").hidden = !hasFallen();
+  const here = results[state.scene], largest = Math.max(...here.filter(Number.isFinite), LONG_BAR);
+  document.querySelectorAll("fieldset label").forEach((row, i) => {
+    const known = here[i] !== null;
+    row.classList.toggle("waits", !known);
+    row.querySelector("output").textContent = known ? said(here[i]) : i !== state.step ? "not yet" : `${Math.ceil(remaining())} s …`;
+    row.style.setProperty("--part", `${here[i] > 0 ? (100 * here[i]) / largest : 0}%`);
+  });
+  results.forEach((scene, i) => {
+    const button = $("scenes").children[i].firstChild, part = scene.filter((each) => each !== null).length / scene.length;
+    button.classList.toggle("done", part === 1 && i !== state.scene);
+    button.firstChild.textContent = part === 1 ? "✓" : i + 1;
+    button.firstChild.style.setProperty("--part", `${100 * part}%`);
+    if (i === state.scene) button.ariaCurrent = "step";
+    else button.removeAttribute("aria-current");
+  });
+}
+
+function showNow() {
+  const s = loop.signals;
+  $("now-phi").textContent = `${text(wrapped(s[0]) / DEGREE, 1)}°`;
+  $("now-theta").textContent = `${text(wrapped(s[2]) / DEGREE, 1)}°`;
+  $("now-u").textContent = `${text(s[12], 2)} V`;
+  $("now-f").textContent = `${text(s[10], 2)} V`;
+}
+
+// Drawing. Each frame draws the stage and one chart: charts cost more than they tell.
+
+let stage, frames = 0, late = 0, asked = performance.now();
+const SIMPLER = [[true, 1], [false, 1], [false, 0.75], [false, 0.5]];
+let detail = 0;
+
+// Fewer details where frames come late: first without smooth edges, then with fewer pixels.
+export function simplify(level) {
+  const before = SIMPLER[detail], after = SIMPLER[(detail = Math.min(level, SIMPLER.length - 1))];
+  if (after[0] !== before[0]) stage.renew(after[0]);
+  stage.detail = after[1];
+}
+
+function watchTime(now) {
+  if (now - asked > 45 && now - asked < 500) late++;
+  asked = now;
+  if (frames % 30 === 0) {
+    if (late > 15) simplify(detail + 1);
+    late = 0;
   }
 }
 
-function pause() {
-  paused = !paused;
-  $("pause").textContent = paused ? "Go on (space)" : "Pause (space)";
+const thinned = (rows, most) => rows.filter((_, i) => (rows.length - 1 - i) % Math.max(1, Math.floor(rows.length / most)) === 0);
+const curve = (rows, x, y, colour, width) => ({ x: rows.map(x), y: rows.map(y), colour, width });
+const column = (i) => (row) => row[i];
+// Angles in degrees; whole turns of the arm until the last row do not count.
+const angle = (rows, i) => {
+  const past = turns(rows.at(-1)?.[i] ?? 0);
+  return (row) => (row[i] - past) / DEGREE;
+};
+
+const CHARTS = [
+  () => {
+    const now = loop.time, rows = thinned(newest(SHOWN), 500), curves = [], { before } = state;
+    if (before) {
+      const end = before.rows.at(-1)?.[TIME] ?? 0, from = before.at - now;
+      curves.push(curve(thinned(before.rows.filter((row) => row[TIME] - end > Math.max(-SHOWN, from)), 400), (row) => row[TIME] - end, angle(before.rows, PHI), "was", 1.6));
+    }
+    const time = (row) => row[TIME] - now;
+    curves.push(curve(rows, time, angle(rows, THETA), "pendulum", 1.6), curve(rows, time, angle(rows, PHI), "arm", 2.2));
+    chart("angles", curves, { across: [-SHOWN, 0], least: { y: 5 } });
+  },
+  () => {
+    const now = loop.time, rows = thinned(newest(SHOWN), 500), time = (row) => row[TIME] - now;
+    chart("voltages", [curve(rows, time, column(U), "command", 1.2), curve(rows, time, column(F), "friction", 2.4), curve(rows, time, column(F_HAT), "estimate", 1.4)], { across: [-SHOWN, 0], least: { y: 0.4 } });
+  },
+  () => {
+    const rows = thinned(newest(PLANE), 400), s = loop.signals;
+    const curves = [curve(rows, column(SPEED), column(F), "friction", 2.4), curve(rows, column(SPEED), column(F_HAT), "estimate", 1.4)];
+    chart("frictions", curves, { least: { x: 1, y: 0.2 }, dot: { x: s[1], y: s[10], colour: "friction" } });
+  },
+  () => {
+    const rows = thinned(newest(PLANE), 400), s = loop.signals, orbit = cycle()?.orbit ?? [];
+    const middle = orbit.length ? (Math.min(...orbit.map(([x]) => x)) + Math.max(...orbit.map(([x]) => x))) / 2 : 0;
+    const curves = [curve(orbit, ([x]) => (x - middle) / DEGREE, ([, y]) => y, "was", 6), curve(rows, angle(rows, PHI), column(SPEED), "arm", 1.8)];
+    chart("phase", curves, { least: { x: 10, y: 0.5 }, dot: { x: wrapped(s[0]) / DEGREE, y: s[1], colour: "arm" } });
+  },
+];
+
+export function draw() {
+  const s = loop.signals, [from, to] = swing();
+  stage?.draw({ phi: s[0], theta: s[2], from, to, u: s[12], friction: s[10] });
 }
 
-makeKnobs();
-$("pause").onclick = pause;
-$("reset").onclick = $("again").onclick = reset;
-$("speed").onchange = (event) => { speed = Number(event.target.value); };
-for (const button of document.querySelectorAll("[data-arm], [data-pendulum]")) {
-  button.onclick = () => loop.push(100, Number(button.dataset.arm || 0), Number(button.dataset.pendulum || 0));
+function frame(now) {
+  owed += (Math.min(now - last, 100) * state.speed * RATE) / 1000;
+  last = now;
+  if (state.paused || state.held?.part) owed = 0;
+  advance(owed);
+  owed %= EVERY;
+  draw();
+  CHARTS[frames % CHARTS.length]();
+  if (frames % 6 === 0) showNow();
+  if (++frames % 12 === 0) tell();
+  watchTime(now);
+  requestAnimationFrame(frame);
 }
+
+// Pointer: hold the pendulum or the arm, or turn the view.
+
+function at(event) {
+  const box = $("stage").getBoundingClientRect();
+  return [event.clientX - box.left, event.clientY - box.top];
+}
+
+$("stage").onpointerdown = (event) => {
+  if (event.target.id !== "view") return;
+  const part = stage.under(at(event), loop.signals[0], loop.signals[2]);
+  if (part) changed();
+  state.held = { part, at: at(event) };
+  event.target.setPointerCapture(event.pointerId);
+  event.target.classList.add("holds");
+};
+$("stage").onpointermove = (event) => {
+  const { held } = state, [x, y] = at(event), s = loop.signals;
+  if (!held) return;
+  if (held.part) {
+    const i = held.part === "arm" ? 0 : 2, turned = stage.ahead(held.part, [x, y], s[0], s[2]);
+    s[i] = wrapped(s[i] + Math.max(-0.2, Math.min(0.2, turned)));
+  } else {
+    stage.view.turn -= (x - held.at[0]) / 200;
+    stage.view.height = Math.max(0.08, Math.min(1.3, stage.view.height + (y - held.at[1]) / 200));
+  }
+  held.at = [x, y];
+};
+// The pendulum is let go at rest, where the hand has moved it.
+$("stage").onpointerup = $("stage").onpointercancel = (event) => {
+  const part = state.held?.part;
+  state.held = null;
+  event.target.classList.remove("holds");
+  if (part) {
+    reset(wrapped(loop.signals[0]), wrapped(loop.signals[2]));
+    setPaused(false);
+  }
+};
+
+// Buttons and keys
+
+function setPaused(paused) {
+  state.paused = paused;
+  $("play").innerHTML = paused ? PLAY : PAUSE;
+  $("play").ariaLabel = paused ? "Go on" : "Pause";
+}
+
+function pushPart(part, direction = (state.side = -state.side)) {
+  state.push = null;
+  push(part === "arm" ? direction * PUSHES.arm : 0, part === "pendulum" ? direction * PUSHES.pendulum : 0);
+}
+
+function setSpeed(name) {
+  state.speed = SPEEDS[name];
+  for (const button of $("speed").children) button.ariaPressed = String(button.textContent === name);
+}
+
+function toast(words) {
+  $("toast").textContent = words;
+  $("toast").hidden = false;
+  clearTimeout(toast.timer);
+  toast.timer = setTimeout(() => { $("toast").hidden = true; }, 5000);
+}
+
+// The settings as the end of a link, and back.
+function link() {
+  const own = Object.entries(loop.knobs).filter(([name, value]) => value !== initial[name]);
+  const place = { scene: state.scene + 1, ...(isStep() ? { step: state.step + 1 } : Object.fromEntries(own)) };
+  return `#${new URLSearchParams(place)}`;
+}
+
+function share() {
+  location.replace(link());
+  const done = (words) => toast(`${words} It holds the scene and all settings.`);
+  const failed = () => done("The link is in the address bar.");
+  (navigator.clipboard?.writeText(location.href) ?? Promise.reject()).then(() => done("The link is copied."), failed);
+}
+
+function follow() {
+  const { scene = "1", step, ...knobs } = Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
+  const own = Object.entries(knobs), place = [scene - 1, (step ?? 1) - 1];
+  const wrong = own.find(([name, value]) => !knobOf[name]?.values.includes(value))?.join("=");
+  if (wrong || !DATA.scenes[place[0]]?.steps[place[1]]) {
+    toast(`The link asks for ${wrong ?? `step ${step ?? 1} of scene ${scene}`}, which this page does not have.`);
+    enter(0, 0);
+    return;
+  }
+  enter(...place);
+  if (own.length) choose({ ...initial, ...knobs });
+}
+
+const KEYS = {
+  " ": () => setPaused(!state.paused), r: () => reset(), n: next, b: back, p: () => pushPart("pendulum"),
+  ArrowLeft: () => pushPart("arm", -1), ArrowRight: () => pushPart("arm", 1),
+  ...Object.fromEntries(DATA.scenes.map((_, i) => [String(i + 1), () => enter(i, 0)])),
+};
 document.onkeydown = (event) => {
-  if (["SELECT", "BUTTON"].includes(event.target.tagName) && event.key === " ") return;
-  const keys = { " ": pause, r: reset, n: () => $("scene").querySelector("button").click() };
-  const arrows = { ArrowLeft: -2, ArrowRight: 2 };
-  if (event.target.tagName !== "SELECT" && event.key in arrows) loop.push(100, arrows[event.key], 0);
-  else if (!event.ctrlKey && !event.metaKey && event.key in keys) keys[event.key]();
-  else return;
+  const own = { BUTTON: [" "], SUMMARY: [" "], INPUT: [" ", "ArrowLeft", "ArrowRight"], SELECT: Object.keys(KEYS) };
+  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || own[event.target.tagName]?.includes(event.key)) return;
+  KEYS[event.key]();
   event.preventDefault();
 };
-enter(0, 0);
+$("play").onclick = () => setPaused(!state.paused);
+$("reset").onclick = $("again").onclick = () => reset();
+$("share").onclick = share;
+$("picture").onclick = () => { draw(); pictureFile($("stage").firstChild); };
+$("numbers").onclick = () => numbersFile(newest(SHOWN));
+for (const button of document.querySelectorAll("[data-push]")) button.onclick = () => pushPart(button.dataset.push);
+$("speed").append(...Object.keys(SPEEDS).map((name) => make("button", { textContent: name, onclick: () => setSpeed(name) })));
+
+try {
+  stage = new Stage($("stage"), true);
+  const gl = stage.renderer.getContext(), about = gl.getExtension("WEBGL_debug_renderer_info");
+  if (about && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL))) simplify(1);
+} catch {
+  toast("This browser cannot draw in 3D (WebGL); the charts work.");
+}
+matchMedia("(prefers-color-scheme: dark)").onchange = () => { forgetColours(); stage?.paint(); };
+addEventListener("hashchange", follow);
+$("more").open = innerHeight > 900;
+showScenes();
+makeKnobs();
+setSpeed("1×");
+setPaused(matchMedia("(prefers-reduced-motion: reduce)").matches);
+if (state.paused) toast("Motion is paused, because your system asks for less of it. Press play.");
+follow();
+// For tests and the curious: open the console.
+window.page = { DATA, Loop, loop, state, results, advance, tell, draw, enter, choose, size, simplify, cycle, history: () => history, frames: () => frames, detail: () => detail, stage: () => stage };
 requestAnimationFrame(frame);

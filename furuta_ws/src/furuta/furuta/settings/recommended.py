@@ -91,7 +91,7 @@ def with_super_twisting(
         strength=1.0,
         super_twisting=FRICTION_RATE * level,
         super_twisting_bandwidth=min(BANDWIDTH, LARGEST_STEP / observer.sample_time),
-        vibration_limit=VIBRATION * level,
+        vibration_limit=max(VIBRATION * level, 1e-3),  # without friction, the least that is allowed
     )
 
 

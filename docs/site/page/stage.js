@@ -1,0 +1,211 @@
+// The stage: the pendulum in 3D, its swing on the floor, torque and friction as arrows round the column.
+// y is up, lengths are in arm lengths; φ turns about y, and θ > 0 leans towards growing φ.
+import {
+  CapsuleGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight,
+  LatheGeometry, Line, LineDashedMaterial, BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera,
+  RingGeometry, Scene, SphereGeometry, TubeGeometry, Vector2, Vector3, Curve, WebGLRenderer,
+} from "three";
+
+const HUB = 0.7, ARM = 1.1, LENGTH = 1.12, REACH = 1.25;  // heights and lengths
+const LIGHT = new Vector3(2.2, 5, 2.6);
+const ARROW = { radius: 0.25, most: 2.6, perVolt: 4, least: 0.08 };
+const GRABBED = 26;  // how near to a rod a pointer grabs it [pixels]
+
+export class Stage {
+  constructor(host, antialias) {
+    this.host = host;
+    this.view = { turn: 0.7, height: 0.42 };
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(30, 1, 0.1, 50);
+    this.tinted = [];
+    this.build();
+    this.detail = 1;
+    this.renew(antialias);
+  }
+
+  // A canvas with or without smooth edges; it cannot be changed later.
+  renew(antialias) {
+    this.renderer?.dispose();
+    this.canvas?.remove();
+    this.canvas = Object.assign(document.createElement("canvas"), { id: "view" });
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "The pendulum on its arm; drag to turn the view");
+    this.host.prepend(this.canvas);
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias, alpha: true, preserveDrawingBuffer: false });
+    this.size = "";
+    this.paint();
+  }
+
+  paint() {
+    const style = getComputedStyle(document.documentElement);
+    for (const [material, name] of this.tinted) material.color.set(style.getPropertyValue(`--${name}`).trim());
+  }
+
+  material(Kind, colour, options = {}) {
+    const made = new Kind(options);
+    this.tinted.push([made, colour]);
+    return made;
+  }
+
+  build() {
+    const solid = (colour) => this.material(MeshLambertMaterial, colour);
+    const flat = (colour, options) => this.material(MeshBasicMaterial, colour, options);
+    const add = (parent, geometry, material, [x, y, z] = [0, 0, 0], turn = 0) => {
+      const mesh = new Mesh(geometry, material);
+      mesh.position.set(x, y, z);
+      mesh.rotation.z = turn;
+      parent.add(mesh);
+      return mesh;
+    };
+    const { scene } = this;
+    scene.add(new HemisphereLight(0xffffff, 0x8793a0, 1.7));
+    const sun = new DirectionalLight(0xffffff, 1.7);
+    sun.position.copy(LIGHT);
+    scene.add(sun);
+    this.addScale(flat("was"));
+    const metal = solid("metal"), dark = solid("dark-metal"), arm = solid("arm"), pendulum = solid("bob");
+    const foot = [[0, 0], [0.34, 0], [0.3, 0.07], [0.13, 0.07], [0.13, 0.57], [0.16, 0.58], [0.16, 0.64], [0, 0.64]];
+    const standing = add(scene, new LatheGeometry(foot.map(([x, y]) => new Vector2(x, y)), 40), metal);
+    standing.material.side = DoubleSide;
+    const [turn, swing] = [new Group(), new Group()];
+    turn.position.y = HUB;
+    swing.position.x = ARM;
+    turn.add(swing);
+    add(turn, new CylinderGeometry(0.1, 0.1, 0.14, 40), arm);
+    add(turn, new CapsuleGeometry(0.05, ARM - 0.15, 8, 24), arm, [ARM / 2 - 0.05, 0, 0], Math.PI / 2);
+    add(turn, new CylinderGeometry(0.075, 0.075, 0.16, 32), dark, [ARM - 0.08, 0, 0], Math.PI / 2);
+    add(swing, new CylinderGeometry(0.022, 0.026, LENGTH - 0.07, 20), pendulum, [0, LENGTH / 2, 0]);
+    add(swing, new SphereGeometry(0.085, 32, 24), pendulum, [0, LENGTH, 0]);
+    this.addShadow(turn, standing, flat("shadow"));
+    const plumb = new BufferGeometry().setFromPoints([new Vector3(ARM, 0.12, 0), new Vector3(ARM, LENGTH + 0.3, 0)]);
+    const line = new Line(plumb, this.material(LineDashedMaterial, "faint", { dashSize: 0.04, gapSize: 0.035 }));
+    line.computeLineDistances();
+    turn.add(line);
+    scene.add(turn);
+    Object.assign(this, { turn, swing });
+    this.sector = add(scene, new RingGeometry(), flat("arm", { transparent: true, opacity: 0.25, side: DoubleSide, depthWrite: false }));
+    this.sector.rotation.x = -Math.PI / 2;
+    this.sector.position.y = 0.008;
+    this.torque = this.addArrow(flat("command", { side: DoubleSide }), 0.46);
+    this.friction = this.addArrow(flat("friction", { side: DoubleSide }), 0.25);
+  }
+
+  // A circle on the floor with a mark every 5 degrees.
+  addScale(material) {
+    const ring = new Mesh(new RingGeometry(1.15, 1.157, 96), material);
+    const group = new Group();
+    group.add(ring);
+    for (let i = 0; i < 72; i++) {
+      const size = i % 6 ? 0.03 : 0.07;
+      const mark = new Mesh(new CircleGeometry(0.5, 4, Math.PI / 4), material);
+      mark.scale.set(size * Math.SQRT2, 0.008 * Math.SQRT2, 1);
+      const a = (i * Math.PI) / 36;
+      mark.rotation.z = a;
+      mark.position.set((1.157 + size / 2) * Math.cos(a), (1.157 + size / 2) * Math.sin(a), 0);
+      group.add(mark);
+    }
+    group.rotation.x = -Math.PI / 2;
+    group.position.y = 0.006;
+    this.scene.add(group);
+  }
+
+  // Shadows are the same bodies pressed on the floor along the light: no picture of depths is needed.
+  addShadow(turn, standing, material) {
+    const pressed = new Group();
+    pressed.matrixAutoUpdate = false;
+    const { x, y, z } = LIGHT;
+    pressed.matrix = new Matrix4().set(1, -x / y, 0, 0, 0, 0, 0, 0.003, 0, -z / y, 1, 0, 0, 0, 0, 1);
+    this.shadow = turn.clone();
+    pressed.add(this.shadow, standing.clone());
+    pressed.traverse((each) => { if (each.isMesh) each.material = material; });
+    material.side = DoubleSide;
+    this.scene.add(pressed);
+  }
+
+  // An arrow round the column at a height: `set` of a voltage tells its length and direction.
+  addArrow(material, height) {
+    class Arc extends Curve {
+      getPoint(t, target = new Vector3()) {
+        const a = t * ARROW.most;
+        return target.set(ARROW.radius * Math.cos(a), 0, -ARROW.radius * Math.sin(a));
+      }
+    }
+    const segments = 52, group = new Group();
+    const tube = new Mesh(new TubeGeometry(new Arc(), segments, 0.018, 8), material);
+    const each = tube.geometry.index.count / segments;
+    const tip = new Mesh(new ConeGeometry(0.055, 0.15, 20), material);
+    group.add(tube, tip);
+    group.position.y = height;
+    group.rotation.y = -0.87;
+    this.scene.add(group);
+    return (voltage) => {
+      const angle = Math.min(ARROW.most, ARROW.perVolt * Math.abs(voltage));
+      group.visible = angle > ARROW.least;
+      group.scale.z = Math.sign(voltage) || 1;
+      const n = Math.round((angle / ARROW.most) * segments), end = (n / segments) * ARROW.most;
+      tube.geometry.setDrawRange(0, n * each);
+      tip.position.set(ARROW.radius * Math.cos(end), 0, -ARROW.radius * Math.sin(end));
+      tip.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), new Vector3(-Math.sin(end), 0, -Math.cos(end)));
+    };
+  }
+
+  place() {
+    const width = this.host.clientWidth, height = this.host.clientHeight;
+    const size = `${width} ${height} ${this.detail} ${devicePixelRatio}`;
+    if (size !== this.size) {
+      this.size = size;
+      this.renderer.setPixelRatio(this.detail * Math.min(2, devicePixelRatio));
+      this.renderer.setSize(width, height, false);
+    }
+    const { camera, view } = this, far = width < 1.3 * height ? 6.4 : 5.7, middle = new Vector3(0, width < 500 ? 0.7 : 0.74, 0);
+    camera.aspect = width / height;
+    camera.position.set(Math.cos(view.height) * Math.sin(view.turn), Math.sin(view.height), Math.cos(view.height) * Math.cos(view.turn));
+    camera.position.multiplyScalar(far).add(middle);
+    camera.lookAt(middle);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  // Draws a state: angles, the ends of the swing [rad], voltage and friction [V].
+  draw({ phi, theta, from, to, u, friction }) {
+    this.place();
+    this.turn.rotation.y = this.shadow.rotation.y = phi;
+    this.swing.rotation.x = this.shadow.children[0].rotation.x = -theta;
+    const swept = `${from.toFixed(3)} ${to.toFixed(3)}`;
+    if (swept !== this.swept) {
+      this.swept = swept;
+      this.sector.geometry.dispose();
+      this.sector.geometry = new RingGeometry(0.36, 1.13, 48, 1, from, Math.min(2 * Math.PI, Math.max(0.006, to - from)));
+    }
+    this.torque(u);
+    this.friction(-friction);
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  // A point of arm (at its end) or pendulum (at its bob) at angles, in pixels of the canvas.
+  pixels(part, phi, theta, share = 1) {
+    const end = new Vector3(ARM, 0, 0);
+    if (part === "pendulum") end.add(new Vector3(0, share * LENGTH * Math.cos(theta), -share * LENGTH * Math.sin(theta)));
+    else end.multiplyScalar(share);
+    end.applyAxisAngle(new Vector3(0, 1, 0), phi).add(new Vector3(0, HUB, 0)).project(this.camera);
+    return [((1 + end.x) / 2) * this.host.clientWidth, ((1 - end.y) / 2) * this.host.clientHeight];
+  }
+
+  // What is under the pointer: "pendulum", "arm" or nothing.
+  under([x, y], phi, theta) {
+    const near = (part, share) => {
+      const [px, py] = this.pixels(part, phi, theta, share);
+      return Math.hypot(px - x, py - y) < GRABBED;
+    };
+    const shares = [1, 0.85, 0.7, 0.55, 0.4, 0.25];
+    return ["pendulum", "arm"].find((part) => shares.some((share) => near(part, share)));
+  }
+
+  // How far [rad] the pointer is ahead of what it holds.
+  ahead(part, [x, y], phi, theta) {
+    const small = 0.02, [x0, y0] = this.pixels(part, phi, theta);
+    const [x1, y1] = part === "arm" ? this.pixels(part, phi + small, theta) : this.pixels(part, phi, theta + small);
+    const [a, b] = [(x1 - x0) / small, (y1 - y0) / small];
+    return ((x - x0) * a + (y - y0) * b) / Math.max(a * a + b * b, 400);
+  }
+}
