@@ -186,7 +186,7 @@ def cycles() -> dict[str, Any]:
 def bundled() -> str:
     """The script of the page with what it uses of three.js; `make page-tools` installs both."""
     options = "--bundle", "--minify", "--format=esm", "--target=es2022", "--log-level=warning"
-    command = [BUNDLER, HERE / "page.js", *options]
+    command = [str(BUNDLER), str(HERE / "page.js"), *options]
     return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
 
 

@@ -45,7 +45,7 @@ function swing() {
 
 const size = () => swing()[1] - swing()[0];
 
-export function degrees(radians) {
+function degrees(radians) {
   const value = radians / DEGREE;
   return `${text(value, value < 3 ? 2 : 1)}°`;
 }
@@ -96,7 +96,7 @@ function advance(samples) {
 
 // Knobs and scenes
 
-export function setKnobs(knobs) {
+function setKnobs(knobs) {
   const fell = hasFallen(), { mode } = loop.knobs;
   changed();
   loop.turn(knobs);
@@ -111,7 +111,7 @@ function choose(knobs) {
   showScene();
 }
 
-export function enter(scene, step) {
+function enter(scene, step) {
   const { knobs, push: pushed } = DATA.scenes[scene].steps[step];
   Object.assign(state, { scene, step });
   setKnobs({ ...initial, ...knobs });
@@ -144,7 +144,7 @@ function waiting() {
   return `measuring: ${Math.ceil(remaining())} s`;
 }
 
-export const cycle = () => {
+const cycle = () => {
   const { knobs } = loop;
   const others = DATA.knobs.filter(({ name }) => !["level", "omega1", "compensation", "believed", "strength", "sensors"].includes(name));
   return others.every(({ name, initial: usual }) => knobs[name] === usual) ? DATA.cycles[`${knobs.level} ${knobs.omega1}`] : undefined;
@@ -220,7 +220,7 @@ function makeKnobs() {
 }
 
 // What is told in words and numbers, a few times a second.
-export function tell() {
+function tell() {
   const result = measured(), waits = result === null;
   if (isStep() && !waits) {
     if (results[state.scene][state.step] === null) $("said").textContent = `The arm swings ${said(result)}.`;
@@ -259,12 +259,12 @@ function showNow() {
 
 // Drawing. Each frame draws the stage and one chart: charts cost more than they tell.
 
-let stage, frames = 0, late = 0, asked = performance.now();
+let stage, frames = 0, late = 0, asked = performance.now(), detail = 0, fixed = false;
 const SIMPLER = [[true, 1], [false, 1], [false, 0.75], [false, 0.5]];
-let detail = 0;
 
 // Fewer details where frames come late: first without smooth edges, then with fewer pixels.
-export function simplify(level) {
+function simplify(level, forever = false) {
+  fixed = forever;
   const before = SIMPLER[detail], after = SIMPLER[(detail = Math.min(level, SIMPLER.length - 1))];
   if (after[0] !== before[0]) stage.renew(after[0]);
   stage.detail = after[1];
@@ -274,7 +274,7 @@ function watchTime(now) {
   if (now - asked > 45 && now - asked < 500) late++;
   asked = now;
   if (frames % 30 === 0) {
-    if (late > 15) simplify(detail + 1);
+    if (late > 15 && !fixed) simplify(detail + 1);
     late = 0;
   }
 }
@@ -316,7 +316,15 @@ const CHARTS = [
   },
 ];
 
-export function draw() {
+// All that is shown, now.
+function redraw() {
+  draw();
+  CHARTS.forEach((draws) => draws());
+  showNow();
+  tell();
+}
+
+function draw() {
   const s = loop.signals, [from, to] = swing();
   stage?.draw({ phi: s[0], theta: s[2], from, to, u: s[12], friction: s[10] });
 }
@@ -327,8 +335,8 @@ function frame(now) {
   if (state.paused || state.held?.part) owed = 0;
   advance(owed);
   owed %= EVERY;
-  draw();
-  CHARTS[frames % CHARTS.length]();
+  if (!state.paused || state.held || frames % 10 === 0) draw();  // a pause costs little
+  if (!state.paused || frames % 40 < CHARTS.length) CHARTS[frames % CHARTS.length]();
   if (frames % 6 === 0) showNow();
   if (++frames % 12 === 0) tell();
   watchTime(now);
@@ -461,5 +469,5 @@ setPaused(matchMedia("(prefers-reduced-motion: reduce)").matches);
 if (state.paused) toast("Motion is paused, because your system asks for less of it. Press play.");
 follow();
 // For tests and the curious: open the console.
-window.page = { DATA, Loop, loop, state, results, advance, tell, draw, enter, choose, size, simplify, cycle, history: () => history, frames: () => frames, detail: () => detail, stage: () => stage };
+window.page = { DATA, Loop, loop, state, results, advance, tell, draw, redraw, enter, choose, reset, size, simplify, cycle, history: () => history, frames: () => frames, detail: () => detail, stage: () => stage };
 requestAnimationFrame(frame);
