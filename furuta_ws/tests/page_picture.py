@@ -24,14 +24,14 @@ COMPENSATE, UPSET, RECOMMENDED = 2, 4, 3
 def pictures(page: Any, place: str, seconds: float) -> Iterator[Image.Image]:
     """A part of the page over a time [s]."""
     for _ in range(round(seconds * RATE)):
-        page.evaluate(f"page.advance({1000 // RATE}); page.redraw()")
+        page.evaluate(f"page.motion.advance({1000 // RATE}); page.drawing.drawAll(); page.tell()")
         taken = Image.open(io.BytesIO(page.locator(place).screenshot())).convert("RGB")
         yield taken.resize([round(SCALE * length) for length in taken.size])
 
 
 def compensation(page: Any) -> Iterator[Image.Image]:
     """The limit cycle, then the recommended compensation until it is measured."""
-    page.evaluate(f"page.enter({COMPENSATE}, 0); page.advance(25000); page.tell()")
+    page.evaluate(f"page.enter({COMPENSATE}, 0); page.motion.advance(25000); page.tell()")
     yield from pictures(page, "body", 3.0)
     page.locator("fieldset input").nth(RECOMMENDED).check()
     yield from pictures(page, "body", 9.0)
@@ -39,7 +39,7 @@ def compensation(page: Any) -> Iterator[Image.Image]:
 
 def swing_up(page: Any) -> Iterator[Image.Image]:
     """From hanging to upright."""
-    page.evaluate(f"page.enter({UPSET}, 2); page.reset(0, Math.PI)")
+    page.evaluate(f"page.enter({UPSET}, 2); page.motion.reset(0, Math.PI)")
     yield from pictures(page, "#stage", 6.0)
 
 
@@ -49,8 +49,8 @@ def main(page_file: str, folder: str) -> None:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=OPTIONS)
         page = browser.new_page(viewport=SIZE)
         page.goto(Path(page_file).absolute().as_uri())
-        page.wait_for_function("window.page && page.frames() > 0")
-        page.evaluate("page.state.paused = true; page.simplify(0, true)")
+        page.wait_for_function("window.page && page.drawing.frames > 0")
+        page.evaluate("page.state.paused = true; page.drawing.simplify(0, true)")
         for name, shown in {"page.webp": compensation, "swing-up.webp": swing_up}.items():
             first, *others = shown(page)
             out = Path(folder, name)

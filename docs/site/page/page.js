@@ -1,19 +1,17 @@
-// The page: scenes, controls, pointer and keys around the compiled loop, its stage and its charts.
-import { chart, forgetColours, text } from "./charts.js";
-import { Loop, RATE, unpacked } from "./loop.js";
+// The page: scenes, controls, buttons and keys around the motion and its drawing.
+import { forgetColours, text } from "./charts.js";
+import { DEGREE, Drawing } from "./drawing.js";
 import { numbersFile, pictureFile } from "./files.js";
-import { Stage } from "./stage.js";
+import { Loop, RATE, unpacked } from "./loop.js";
+import { Motion, wrapped } from "./motion.js";
+import { Pointer } from "./pointer.js";
 
 const DATA = await unpacked(document.getElementById("data").textContent);
-const EVERY = 5, SHOWN = 10, DEGREE = Math.PI / 180, PLANE = 5;
-const { push_after: PUSH_AFTER, settled: SETTLED, window: WINDOW } = DATA.measured;
 const PUSHES = { arm: 2, pendulum: 0.3 };  // for 0.1 s [V]
 const LONG_BAR = 5 * DEGREE;  // a swing whose bar may fill its line
 const SPEEDS = { "¼": 0.25, "½": 0.5, "1×": 1, "2×": 2 };
 const PAUSE = '<svg viewBox="0 0 16 16"><rect x="3" y="2" width="4" height="12" rx="1"/><rect x="9" y="2" width="4" height="12" rx="1"/></svg>';
 const PLAY = '<svg viewBox="0 0 16 16"><path d="M4 2v12l10-6z"/></svg>';
-// Columns of the history: time [s], arm angle and speed, pendulum, friction, its estimate, voltage.
-const TIME = 0, PHI = 1, SPEED = 2, THETA = 3, F = 4, F_HAT = 5, U = 6;
 
 const $ = (id) => document.getElementById(id);
 const make = (tag, properties = {}, ...children) => {
@@ -21,29 +19,17 @@ const make = (tag, properties = {}, ...children) => {
   made.append(...children);
   return made;
 };
-const loop = new Loop(DATA);
+const motion = new Motion(DATA), { loop } = motion;
 const knobOf = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob]));
 const initial = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob.initial]));
-// The swing of each step [rad], or "fell".
+// The result of each step.
 const results = DATA.scenes.map((scene) => scene.steps.map(() => null));
-const state = { scene: 0, step: 0, paused: false, speed: 1, since: 0, was: null, before: null, push: null, held: null, side: 1, fell: false };
-let history = [], owed = 0, last = performance.now();
+// A scene and one of its steps, or null for the user's own settings.
+const state = { scene: 0, step: 0, paused: false, speed: 1, side: 1 };
+const drawing = new Drawing($("stage"), motion, cycle);
+let pointer, last = performance.now();
 
-const turns = (angle) => 2 * Math.PI * Math.round(angle / (2 * Math.PI));
-const wrapped = (angle) => angle - turns(angle);
-const leans = () => Math.abs(wrapped(loop.signals[2])) > DATA.fall_angle;
-const hasFallen = () => state.fell && loop.knobs.mode !== "swing up";
-const remaining = () => Math.max(0, SETTLED - (loop.time - state.since));
 const isStep = () => state.step !== null;
-const newest = (seconds) => history.slice(-Math.round((seconds * RATE) / EVERY));
-
-// The ends of the arm's swing in what is measured [rad].
-function swing() {
-  const angles = newest(WINDOW).map((row) => row[PHI]);
-  return angles.length ? [Math.min(...angles), Math.max(...angles)] : [0, 0];
-}
-
-const size = () => swing()[1] - swing()[0];
 
 function degrees(radians) {
   const value = radians / DEGREE;
@@ -56,57 +42,17 @@ function counts(radians) {
   return n < 1.05 ? "one encoder count" : `${n.toFixed(n < 9.5 ? 1 : 0)} encoder counts`;
 }
 
-// Something has changed: what comes is measured anew, and the motion so far is shown in grey.
-function changed() {
-  if (!remaining() && !hasFallen()) {
-    state.was = size();
-    state.before = { rows: history, at: loop.time };
-  } else if (state.before) state.before.at = Math.max(state.before.at, state.since);
-  state.since = loop.time;
-}
-
-// Begins anew at rest, with the arm and the pendulum at these angles [rad].
-function reset(phi = 0, theta = undefined) {
-  loop.putBack(phi, theta);
-  Object.assign(state, { since: 0, push: null, fell: false });
-  if (state.before) state.before.at = 0;
-  history = [];
-  owed = 0;
-}
-
-function push(arm, pendulum) {
-  changed();
-  loop.push(100, arm, pendulum);
-}
-
-function advance(samples) {
-  for (; samples >= EVERY; samples -= EVERY) {
-    loop.run(EVERY);
-    const s = loop.signals;
-    history.push([loop.time, s[0], s[1], wrapped(s[2]), s[10], s[11], s[12]]);
-    if (state.fell && !leans() && loop.knobs.mode === "swing up") state.fell = false;
-    if (state.push && loop.time - state.since >= PUSH_AFTER) {
-      push(...state.push);
-      state.push = null;
-    }
-    if (leans()) Object.assign(state, { since: loop.time, fell: true });
-  }
-  if (history.length > (2 * SHOWN * RATE) / EVERY) history = newest(SHOWN);
-}
-
 // Knobs and scenes
 
 function setKnobs(knobs) {
-  const fell = hasFallen(), { mode } = loop.knobs;
-  changed();
-  loop.turn(knobs);
-  if (fell || mode !== loop.knobs.mode || Math.abs(loop.signals[0]) > 2) reset();
+  motion.turn(knobs);
   showKnobs();
 }
 
 // The user's own setting: no step of a scene.
 function choose(knobs) {
-  Object.assign(state, { step: null, push: null });
+  state.step = null;
+  motion.planned = null;
   setKnobs(knobs);
   showScene();
 }
@@ -115,7 +61,7 @@ function enter(scene, step) {
   const { knobs, push: pushed } = DATA.scenes[scene].steps[step];
   Object.assign(state, { scene, step });
   setKnobs({ ...initial, ...knobs });
-  state.push = pushed ? [pushed["pushes.arm"] || 0, pushed["pushes.pendulum"] || 0] : null;
+  motion.planned = pushed ? [pushed["pushes.arm"] || 0, pushed["pushes.pendulum"] || 0] : null;
   results[scene][step] = null;
   showScene();
 }
@@ -131,24 +77,21 @@ function back() {
   else if (scene) enter(scene - 1, DATA.scenes[scene - 1].steps.length - 1);
 }
 
-function measured() {
-  return hasFallen() ? "fell" : remaining() ? null : size();
-}
-
 function said(result) {
   return result === "fell" ? result : degrees(result);
 }
 
 function waiting() {
-  if (loop.knobs.mode === "swing up" && leans()) return "swinging up";
-  return `measuring: ${Math.ceil(remaining())} s`;
+  if (motion.swingsUp && motion.leans) return "swinging up";
+  return `measuring: ${Math.ceil(motion.remaining)} s`;
 }
 
-const cycle = () => {
+// The exact cycle of these settings without compensation; null: there is none, undefined: it is not known.
+function cycle() {
   const { knobs } = loop;
   const others = DATA.knobs.filter(({ name }) => !["level", "omega1", "compensation", "believed", "strength", "sensors"].includes(name));
-  return others.every(({ name, initial: usual }) => knobs[name] === usual) ? DATA.cycles[`${knobs.level} ${knobs.omega1}`] : undefined;
-};
+  return others.every(({ name, initial: usual }) => knobs[name] === usual) ? DATA.cycles[`${knobs.level} ${knobs.omega1}`] ?? null : undefined;
+}
 
 function showScene() {
   const scene = DATA.scenes[state.scene], { steps } = scene;
@@ -158,13 +101,15 @@ function showScene() {
   });
   const known = scene.predict
     ? [["exact cycle", "exact"], ["describing function", "predicted"]].map(([name, key]) => {
-      const number = cycle()?.[key];
-      return make("div", { className: "known" }, name, make("b", { textContent: number ? degrees(number) : "no cycle" }));
+      const found = cycle(), number = found ? degrees(found[key]) : found === null ? "no cycle" : "not for these settings";
+      return make("div", { className: "known" }, name, make("b", { textContent: number }));
     }) : [];
   const look = isStep() ? steps[state.step].look : "These are your own settings. Choose a line to come back to the scene.";
   const following = DATA.scenes[state.scene + 1];
   const isLast = state.step === steps.length - 1;
   const onward = !isLast ? "Next step" : following ? `Next: ${following.name}` : "Begin again";
+  const controls = () => [...$("scene").querySelectorAll("input, button")];
+  const old = controls(), place = old.indexOf(document.activeElement);
   $("scene").replaceChildren(
     make("h2", { textContent: scene.title }), make("p", { textContent: scene.text }),
     make("p", { className: "look", textContent: look }),
@@ -172,6 +117,8 @@ function showScene() {
     make("div", { className: "row" }, make("button", { textContent: "Back", disabled: !state.scene && !state.step, onclick: back }),
       make("button", { textContent: onward, className: "primary", title: "N", onclick: next })),
   );
+  // The keyboard stays where it was: at a line, or at one of the two buttons at the end.
+  if (place >= 0) controls().at(place < old.length - 2 ? place : place - old.length).focus();
   tell();
 }
 
@@ -221,22 +168,22 @@ function makeKnobs() {
 
 // What is told in words and numbers, a few times a second.
 function tell() {
-  const result = measured(), waits = result === null;
+  const { result, size } = motion, waits = result === null;
   if (isStep() && !waits) {
     if (results[state.scene][state.step] === null) $("said").textContent = `The arm swings ${said(result)}.`;
     results[state.scene][state.step] = result;
   }
   const fell = result === "fell";
-  $("swing").textContent = fell ? "–" : degrees(size());
-  $("counts").textContent = waits ? waiting() : fell ? "fell" : counts(size());
-  $("was").textContent = state.was && !waits ? `before: ${degrees(state.was)}` : "";
+  $("swing").textContent = fell ? "–" : degrees(size);
+  $("counts").textContent = waits ? waiting() : fell ? "fell" : counts(size);
+  $("was").textContent = motion.was && !waits ? `before: ${degrees(motion.was)}` : "";
   document.querySelector(".big").classList.toggle("measuring", waits || fell);
-  $("fallen").hidden = !hasFallen();
+  $("fallen").hidden = !motion.hasFallen;
   const here = results[state.scene], largest = Math.max(...here.filter(Number.isFinite), LONG_BAR);
   document.querySelectorAll("fieldset label").forEach((row, i) => {
     const known = here[i] !== null;
     row.classList.toggle("waits", !known);
-    row.querySelector("output").textContent = known ? said(here[i]) : i !== state.step ? "not yet" : `${Math.ceil(remaining())} s …`;
+    row.querySelector("output").textContent = known ? said(here[i]) : i !== state.step ? "not yet" : `${Math.ceil(motion.remaining)} s …`;
     row.style.setProperty("--part", `${here[i] > 0 ? (100 * here[i]) / largest : 0}%`);
   });
   results.forEach((scene, i) => {
@@ -257,129 +204,15 @@ function showNow() {
   $("now-f").textContent = `${text(s[10], 2)} V`;
 }
 
-// Drawing. Each frame draws the stage and one chart: charts cost more than they tell.
-
-let stage, frames = 0, late = 0, asked = performance.now(), detail = 0, fixed = false;
-const SIMPLER = [[true, 1], [false, 1], [false, 0.75], [false, 0.5]];
-
-// Fewer details where frames come late: first without smooth edges, then with fewer pixels.
-function simplify(level, forever = false) {
-  fixed = forever;
-  const before = SIMPLER[detail], after = SIMPLER[(detail = Math.min(level, SIMPLER.length - 1))];
-  if (after[0] !== before[0]) stage.renew(after[0]);
-  stage.detail = after[1];
-}
-
-function watchTime(now) {
-  if (now - asked > 45 && now - asked < 500) late++;
-  asked = now;
-  if (frames % 30 === 0) {
-    if (late > 15 && !fixed) simplify(detail + 1);
-    late = 0;
-  }
-}
-
-const thinned = (rows, most) => rows.filter((_, i) => (rows.length - 1 - i) % Math.max(1, Math.floor(rows.length / most)) === 0);
-const curve = (rows, x, y, colour, width) => ({ x: rows.map(x), y: rows.map(y), colour, width });
-const column = (i) => (row) => row[i];
-// Angles in degrees; whole turns of the arm until the last row do not count.
-const angle = (rows, i) => {
-  const past = turns(rows.at(-1)?.[i] ?? 0);
-  return (row) => (row[i] - past) / DEGREE;
-};
-
-const CHARTS = [
-  () => {
-    const now = loop.time, rows = thinned(newest(SHOWN), 500), curves = [], { before } = state;
-    if (before) {
-      const end = before.rows.at(-1)?.[TIME] ?? 0, from = before.at - now;
-      curves.push(curve(thinned(before.rows.filter((row) => row[TIME] - end > Math.max(-SHOWN, from)), 400), (row) => row[TIME] - end, angle(before.rows, PHI), "was", 1.6));
-    }
-    const time = (row) => row[TIME] - now;
-    curves.push(curve(rows, time, angle(rows, THETA), "pendulum", 1.6), curve(rows, time, angle(rows, PHI), "arm", 2.2));
-    chart("angles", curves, { across: [-SHOWN, 0], least: { y: 5 } });
-  },
-  () => {
-    const now = loop.time, rows = thinned(newest(SHOWN), 500), time = (row) => row[TIME] - now;
-    chart("voltages", [curve(rows, time, column(U), "command", 1.2), curve(rows, time, column(F), "friction", 2.4), curve(rows, time, column(F_HAT), "estimate", 1.4)], { across: [-SHOWN, 0], least: { y: 0.4 } });
-  },
-  () => {
-    const rows = thinned(newest(PLANE), 400), s = loop.signals;
-    const curves = [curve(rows, column(SPEED), column(F), "friction", 2.4), curve(rows, column(SPEED), column(F_HAT), "estimate", 1.4)];
-    chart("frictions", curves, { least: { x: 1, y: 0.2 }, dot: { x: s[1], y: s[10], colour: "friction" } });
-  },
-  () => {
-    const rows = thinned(newest(PLANE), 400), s = loop.signals, orbit = cycle()?.orbit ?? [];
-    const middle = orbit.length ? (Math.min(...orbit.map(([x]) => x)) + Math.max(...orbit.map(([x]) => x))) / 2 : 0;
-    const curves = [curve(orbit, ([x]) => (x - middle) / DEGREE, ([, y]) => y, "was", 6), curve(rows, angle(rows, PHI), column(SPEED), "arm", 1.8)];
-    chart("phase", curves, { least: { x: 10, y: 0.5 }, dot: { x: wrapped(s[0]) / DEGREE, y: s[1], colour: "arm" } });
-  },
-];
-
-// All that is shown, now.
-function redraw() {
-  draw();
-  CHARTS.forEach((draws) => draws());
-  showNow();
-  tell();
-}
-
-function draw() {
-  const s = loop.signals, [from, to] = swing();
-  stage?.draw({ phi: s[0], theta: s[2], from, to, u: s[12], friction: s[10] });
-}
-
 function frame(now) {
-  owed += (Math.min(now - last, 100) * state.speed * RATE) / 1000;
+  const passed = Math.min(now - last, 100), isStill = state.paused && !pointer?.held;
   last = now;
-  if (state.paused || state.held?.part) owed = 0;
-  advance(owed);
-  owed %= EVERY;
-  if (!state.paused || state.held || frames % 10 === 0) draw();  // a pause costs little
-  if (!state.paused || frames % 40 < CHARTS.length) CHARTS[frames % CHARTS.length]();
-  if (frames % 6 === 0) showNow();
-  if (++frames % 12 === 0) tell();
-  watchTime(now);
+  if (!state.paused && !pointer?.held?.part) motion.advance((passed * state.speed * RATE) / 1000);
+  drawing.frame(now, isStill);
+  if (drawing.frames % 6 === 0) showNow();
+  if (drawing.frames % 12 === 0) tell();
   requestAnimationFrame(frame);
 }
-
-// Pointer: hold the pendulum or the arm, or turn the view.
-
-function at(event) {
-  const box = $("stage").getBoundingClientRect();
-  return [event.clientX - box.left, event.clientY - box.top];
-}
-
-$("stage").onpointerdown = (event) => {
-  if (event.target.id !== "view") return;
-  const part = stage.under(at(event), loop.signals[0], loop.signals[2]);
-  if (part) changed();
-  state.held = { part, at: at(event) };
-  event.target.setPointerCapture(event.pointerId);
-  event.target.classList.add("holds");
-};
-$("stage").onpointermove = (event) => {
-  const { held } = state, [x, y] = at(event), s = loop.signals;
-  if (!held) return;
-  if (held.part) {
-    const i = held.part === "arm" ? 0 : 2, turned = stage.ahead(held.part, [x, y], s[0], s[2]);
-    s[i] = wrapped(s[i] + Math.max(-0.2, Math.min(0.2, turned)));
-  } else {
-    stage.view.turn -= (x - held.at[0]) / 200;
-    stage.view.height = Math.max(0.08, Math.min(1.3, stage.view.height + (y - held.at[1]) / 200));
-  }
-  held.at = [x, y];
-};
-// The pendulum is let go at rest, where the hand has moved it.
-$("stage").onpointerup = $("stage").onpointercancel = (event) => {
-  const part = state.held?.part;
-  state.held = null;
-  event.target.classList.remove("holds");
-  if (part) {
-    reset(wrapped(loop.signals[0]), wrapped(loop.signals[2]));
-    setPaused(false);
-  }
-};
 
 // Buttons and keys
 
@@ -390,8 +223,7 @@ function setPaused(paused) {
 }
 
 function pushPart(part, direction = (state.side = -state.side)) {
-  state.push = null;
-  push(part === "arm" ? direction * PUSHES.arm : 0, part === "pendulum" ? direction * PUSHES.pendulum : 0);
+  motion.push(part === "arm" ? direction * PUSHES.arm : 0, part === "pendulum" ? direction * PUSHES.pendulum : 0);
 }
 
 function setSpeed(name) {
@@ -414,7 +246,7 @@ function link() {
 }
 
 function share() {
-  location.replace(link());
+  window.history.replaceState(null, "", link());
   const done = (words) => toast(`${words} It holds the scene and all settings.`);
   const failed = () => done("The link is in the address bar.");
   (navigator.clipboard?.writeText(location.href) ?? Promise.reject()).then(() => done("The link is copied."), failed);
@@ -434,7 +266,7 @@ function follow() {
 }
 
 const KEYS = {
-  " ": () => setPaused(!state.paused), r: () => reset(), n: next, b: back, p: () => pushPart("pendulum"),
+  " ": () => setPaused(!state.paused), r: () => motion.reset(), n: next, b: back, p: () => pushPart("pendulum"),
   ArrowLeft: () => pushPart("arm", -1), ArrowRight: () => pushPart("arm", 1),
   ...Object.fromEntries(DATA.scenes.map((_, i) => [String(i + 1), () => enter(i, 0)])),
 };
@@ -445,29 +277,29 @@ document.onkeydown = (event) => {
   event.preventDefault();
 };
 $("play").onclick = () => setPaused(!state.paused);
-$("reset").onclick = $("again").onclick = () => reset();
+$("reset").onclick = $("again").onclick = () => motion.reset();
 $("share").onclick = share;
-$("picture").onclick = () => { draw(); pictureFile($("stage").firstChild); };
-$("numbers").onclick = () => numbersFile(newest(SHOWN));
+$("picture").onclick = () => { drawing.drawAll(); pictureFile($("stage").firstChild); };
+$("numbers").onclick = () => numbersFile(motion.newest());
 for (const button of document.querySelectorAll("[data-push]")) button.onclick = () => pushPart(button.dataset.push);
 $("speed").append(...Object.keys(SPEEDS).map((name) => make("button", { textContent: name, onclick: () => setSpeed(name) })));
 
-try {
-  stage = new Stage($("stage"), true);
-  const gl = stage.renderer.getContext(), about = gl.getExtension("WEBGL_debug_renderer_info");
-  if (about && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL))) simplify(1);
-} catch {
-  toast("This browser cannot draw in 3D (WebGL); the charts work.");
+if (drawing.stage) {
+  pointer = new Pointer($("stage"), drawing.stage, loop.signals, () => motion.changed(), (phi, theta) => {
+    motion.reset(phi, theta);
+    setPaused(false);
+  });
 }
-matchMedia("(prefers-color-scheme: dark)").onchange = () => { forgetColours(); stage?.paint(); };
+matchMedia("(prefers-color-scheme: dark)").onchange = () => { forgetColours(); drawing.stage?.paint(); };
 addEventListener("hashchange", follow);
 $("more").open = innerHeight > 900;
 showScenes();
 makeKnobs();
 setSpeed("1×");
 setPaused(matchMedia("(prefers-reduced-motion: reduce)").matches);
-if (state.paused) toast("Motion is paused, because your system asks for less of it. Press play.");
+if (!drawing.stage) toast("This browser cannot draw in 3D (WebGL). All else works.");
+else if (state.paused) toast("Motion is paused, because your system asks for less of it. Press play.");
 follow();
 // For tests and the curious: open the console.
-window.page = { DATA, Loop, loop, state, results, advance, tell, draw, redraw, enter, choose, reset, size, simplify, cycle, history: () => history, frames: () => frames, detail: () => detail, stage: () => stage };
+window.page = { DATA, Loop, motion, drawing, state, results, tell, enter, choose, cycle };
 requestAnimationFrame(frame);

@@ -36,6 +36,12 @@ export class Stage {
     this.paint();
   }
 
+  // Whether no graphics processor draws.
+  get bySoftware() {
+    const gl = this.renderer.getContext(), about = gl.getExtension("WEBGL_debug_renderer_info");
+    return Boolean(about) && /swiftshader|llvmpipe|software/i.test(gl.getParameter(about.UNMASKED_RENDERER_WEBGL));
+  }
+
   paint() {
     const style = getComputedStyle(document.documentElement);
     for (const [material, name] of this.tinted) material.color.set(style.getPropertyValue(`--${name}`).trim());

@@ -86,7 +86,7 @@ def opened(browser: Any, file: Path, end: str = "", **context: Any) -> Any:
     page.on("pageerror", lambda error: page.failures.append(str(error)))
     page.on("request", lambda request: page.requests.append(request.url))
     page.goto(file.as_uri() + end)
-    page.wait_for_function("window.page && page.frames() > 0")
+    page.wait_for_function("window.page && page.drawing.frames > 0")
     return page
 
 
@@ -121,13 +121,13 @@ def test_samples_have_the_same_bits(case: str, page: Any) -> None:
 
 def swing(page: Any) -> float:
     """The arm's swing in the last 5 s, from the samples themselves [rad]."""
-    rows = np.array(page.evaluate("page.history()"))
+    rows = np.array(page.evaluate("page.motion.rows"))
     return float(np.ptp(rows[rows[:, 0] > rows[-1, 0] - DECLARED["measured"]["window"], 1]))
 
 
 def run(page: Any, seconds: float) -> None:
     """Let time pass, faster than it does."""
-    page.evaluate(f"page.advance({seconds * SECOND}); page.tell()")
+    page.evaluate(f"page.motion.advance({seconds * SECOND}); page.tell()")
 
 
 def test_every_scene_to_its_end(page: Any) -> None:
@@ -192,25 +192,31 @@ def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> Non
 
 def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     """It follows the pointer, and is let go where it is; keys push, reset and pause."""
-    page.evaluate("page.state.paused = true; page.enter(2, 3); page.draw()")
+    page.evaluate("page.state.paused = true; page.enter(2, 3); page.drawing.drawAll()")
     box = page.locator("#stage").bounding_box()
-    code = "page.stage().pixels('pendulum', page.loop.signals[0], page.loop.signals[2])"
+    code = "page.drawing.stage.pixels('pendulum', page.motion.loop.signals[0], page.motion.loop.signals[2])"
     x, y = page.evaluate(code)
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
     page.mouse.move(box["x"] + x + 30, box["y"] + y, steps=5)
-    held = page.evaluate("page.loop.signals[2]")
+    held = page.evaluate("page.motion.loop.signals[2]")
     assert abs(held) > 0.1
     page.mouse.up()
     page.keyboard.press(" ")
     assert page.evaluate("page.state.paused")
     run(page, 4.0)
-    assert abs(page.evaluate("page.loop.signals[2]")) < 0.01  # it is balanced again
+    assert abs(page.evaluate("page.motion.loop.signals[2]")) < 0.01  # it is balanced again
+    page.evaluate("document.activeElement.blur()")
     page.keyboard.press("ArrowRight")
     run(page, 0.1)
-    assert page.evaluate("page.loop.signals[1]") > 0.1
+    assert page.evaluate("page.motion.loop.signals[1]") > 0.1
     page.keyboard.press("r")
-    assert page.evaluate("[page.loop.time, page.loop.signals[0]]") == [0, 0]
+    assert page.evaluate("[page.motion.loop.time, page.motion.loop.signals[0]]") == [0, 0]
+    page.locator("fieldset input").first.focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    assert page.locator("fieldset input:focus").count() == 1
+    assert page.evaluate("page.state.step") == 2
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
@@ -220,7 +226,9 @@ def test_everybody_can_use_it(browser: Any, page_file: Path, width: int, scheme:
     about = {"viewport": size, "color_scheme": scheme, "reduced_motion": "reduce"}
     page = opened(browser, page_file, "#scene=4&step=1", **about)
     assert page.evaluate("page.state.paused")
-    page.evaluate("page.advance(9000); page.tell(); document.querySelector('#more').open = true")
+    page.evaluate(
+        "page.motion.advance(9000); page.tell(); document.querySelector('#more').open = true"
+    )
     assert page.evaluate("document.documentElement.scrollWidth") == width
     reason = "axe-playwright-python is not installed; `make test` installs it"
     axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason=reason).Axe()
