@@ -194,8 +194,8 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     """It follows the pointer, and is let go where it is; keys push, reset and pause."""
     page.evaluate("page.state.paused = true; page.enter(2, 3); page.drawing.drawAll()")
     box = page.locator("#stage").bounding_box()
-    code = "page.drawing.stage.pixels('pendulum', page.motion.loop.signals[0], page.motion.loop.signals[2])"
-    x, y = page.evaluate(code)
+    signals = "page.motion.loop.signals"
+    x, y = page.evaluate(f"page.drawing.stage.pixels('pendulum', {signals}[0], {signals}[2])")
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
     page.mouse.move(box["x"] + x + 30, box["y"] + y, steps=5)
