@@ -108,8 +108,7 @@ def is_twisting(compensation: Compensation) -> bool:
 
 def swing_of(estimates: list[np.ndarray]) -> float:
     """The arm's angle in all parts, peak to peak [rad]."""
-    angles = [part[:, PHI] for part in estimates]
-    return float(max(map(np.max, angles)) - min(map(np.min, angles)))
+    return float(np.ptp(np.concatenate([part[:, PHI] for part in estimates])))
 
 
 def observed_friction(estimates: np.ndarray, known: Friction) -> Friction:
