@@ -1,6 +1,6 @@
-"""Measures runs of a closed loop while they run: oscillation, rms values and falls, no series.
+"""Measures runs of a closed loop part by part: oscillation, rms values and falls, no series.
 
-A run of any length needs one small memory, :class:`Sums`.
+A run of any length needs the series of a part and one small memory, :class:`Sums`.
 """
 
 from dataclasses import dataclass, field
@@ -20,14 +20,14 @@ from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.parameters import Friction
 from furuta_model.sensors import step_size
-from furuta_model.state import PHI, SIGNALS, THETA
+from furuta_model.state import PHI, THETA
 from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.plant import NOISE_CHANNELS, Plant, move, true_friction
-from furuta_sim.simulation.closed_loop import Loop, Simulation, control_measured
-from furuta_sim.simulation.control_system import ControlSystem
+from furuta_sim.simulation.closed_loop import Loop, Record, Simulation
 
 # Fraction of a run that is measured: the last half, after the transients.
 SETTLED = 0.5
+# Samples that are kept at a time.
+PART = 10_000
 # Duration of a run that shows the swing caused by the sensors [s].
 SENSORS_SECONDS = 30.0
 # Rate [1/s] of the filter that separates the fast part of the command: 50 Hz.
@@ -84,14 +84,14 @@ def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:
 
 def measure(simulation: Simulation, seconds: float, settled: float = SETTLED) -> Outcome:
     """Continue a simulation for ``seconds``, and measure the last fraction ``settled``."""
-    samples = simulation.samples(seconds)
+    dt, samples = simulation.loop.plant.sample_time, simulation.samples(seconds)
     measured = max(1, round(settled * samples))
     sums = new_memory(Sums)
-    _run(
-        *(simulation.memory, simulation.noise, simulation.plant, simulation.control_system),
-        *(samples, samples - measured, sums),
-    )
-    return summary(sums[0].item(), simulation.loop.plant.sample_time, samples, measured)
+    # To compile another loop, which measures as it runs, would take half a minute.
+    for begin in range(0, samples, PART):
+        record = simulation.run(min(PART, samples - begin) * dt)
+        _include(record, begin, samples - measured, sums)
+    return summary(sums[0].item(), dt, samples, measured)
 
 
 def residual(run: Outcome) -> float:
@@ -179,29 +179,14 @@ def note_fall(sums: Sums, x: np.ndarray) -> None:
 
 
 @compiled
-def _run(
-    memory: np.ndarray,
-    generator: np.random.Generator,
-    plant: Plant,
-    control_system: ControlSystem,
-    samples: int,
-    transient: int,
-    sums: np.ndarray,
-) -> None:
-    """Run ``samples`` samples; the first ``transient`` are not measured."""
-    measurement, estimate = np.empty(SIGNALS), np.empty(SIGNALS)
-    noise = np.zeros(NOISE_CHANNELS)
-    loop, result = memory[0], sums[0]
-    x = loop.plant.x
-    for k in range(samples):
-        if not plant.sensors.ideal:
-            for channel in range(NOISE_CHANNELS):
-                noise[channel] = generator.standard_normal()
-        estimated, u = control_measured(loop, noise, plant, control_system, measurement, estimate)
+def _include(record: Record, begin: int, transient: int, sums: np.ndarray) -> None:
+    """Include a part of a run, from sample ``begin`` on; ``transient`` samples do not count."""
+    result = sums[0]
+    for i in range(len(record.command)):
+        k, x, u = begin + i, record.state[i], record.command[i]
         if transient // 2 <= k < transient:
             accumulate_midpoint(result.oscillation, x)
         if k >= transient:
-            friction = true_friction(loop.plant, plant)
-            measure_sample(result, x, u, friction, estimated, plant.sample_time)
+            friction, estimated = record.friction[i], record.friction_estimate[i]
+            measure_sample(result, x, u, friction, estimated, record.sample_time)
         note_fall(result, x)
-        loop.torque = move(loop.plant, u, plant)
