@@ -78,12 +78,12 @@ def compile_nodes(pool: ProcessPoolExecutor, quiet: bool = False) -> None:
 
 
 def compile_all() -> None:
-    """Compile everything."""
-    parts: list[Callable[[], None]] = [compile_library, compile_loop]
+    """Compile everything, what takes longest first."""
+    parts: list[Callable[[], None]] = [compile_library, compile_loop, compile_lanes]
     with workers() as pool:
         begun = [pool.submit(part) for part in parts]
         begun += [pool.submit(compile_node, node.name) for node in graph_nodes()]
-        _wait([*begun, pool.submit(compile_lanes)])
+        _wait(begun)
 
 
 def _wait(tasks: Iterable[Future[Any]], quiet: bool = False) -> None:
