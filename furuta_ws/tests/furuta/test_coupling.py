@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from plant_steps import PlantSteps
 from scipy.integrate import solve_ivp
 
 from furuta.outcomes import outcome
@@ -15,7 +16,6 @@ from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError, build
 from furuta_model.parts.coupling import Coupling
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import design_plant, initial_plant, move
 
 SAMPLES = 150
 START = np.array([0.1, 0.3, 0.1, -0.2])
@@ -29,12 +29,12 @@ def rig(**given: Any) -> PlantParameters:
 
 def moved(parameters: PlantParameters, commands: np.ndarray, twist: float) -> np.ndarray:
     """φ, φ̇, θ, θ̇, ψ, ψ̇ after every sample (n, 6)."""
-    plant, memory = design_plant(parameters), initial_plant(parameters)
+    plant, rows = PlantSteps(parameters), []
+    memory = plant.memory
     memory["x"][0, :4] = START
     memory["motor"]["angle"], memory["motor"]["speed"] = START[0] + twist, START[1]
-    rows = []
     for u in commands:
-        move(memory[0], float(u), plant)
+        plant.move(u)
         motor = memory["motor"][0]
         rows.append([*memory["x"][0, :4], motor["angle"], motor["speed"]])
     return np.array(rows)

@@ -2,27 +2,12 @@
 
 import numpy as np
 import pytest
+from estimator_steps import EstimatorSteps, estimates
 from scipy.signal import StateSpace, lsim
 
-from furuta_control.estimation import (
-    EstimatorMemory,
-    EstimatorParameters,
-    MethodParameters,
-    design_estimator,
-    estimate_state,
-)
+from furuta_control.estimation import EstimatorParameters, MethodParameters
 from furuta_control.estimators.lowpass import LowpassParameters
-from furuta_model.block import new_memory
 from furuta_model.sensors import Sensors
-
-
-def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
-    """Estimates (n, 5) for measurements (n, 5), from a new filter."""
-    memory, design = new_memory(EstimatorMemory)[0], design_estimator(p)
-    result = np.full_like(measurements, 99.0)
-    for measurement, estimate in zip(measurements.copy(), result, strict=True):
-        estimate_state(memory, measurement, design, estimate)
-    return result
 
 
 def of_theta(theta: np.ndarray) -> np.ndarray:
@@ -44,7 +29,7 @@ def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -
     _, expected, _ = lsim(system, theta, time, X0=[theta[0], 0.0], interp=True)
     parts = MethodParameters(lowpass=LowpassParameters(bandwidth, damping))
     p = EstimatorParameters("lowpass", parts=parts, sample_time=dt)
-    found = estimates(of_theta(theta), p)[:, 2:]
+    found = estimates(of_theta(theta), p)[0][:, 2:]
     assert found[:, 0] == pytest.approx(expected[:, 0], abs=1e-9)
     assert found[:, 1] == pytest.approx(expected[:, 1], rel=1e-7, abs=1e-7 * np.ptp(theta) / dt)
 
@@ -52,7 +37,7 @@ def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -
 def test_lowpass_passes_the_arm_through() -> None:
     """Arm angle and speed are unchanged; friction is not observed."""
     measurements = np.random.default_rng(11).normal(0.0, 0.03, (20, 5))
-    found = estimates(measurements, EstimatorParameters("lowpass"))
+    found, _ = estimates(measurements, EstimatorParameters("lowpass"))
     assert np.array_equal(found[:, :2], measurements[:, :2])
     assert np.all(np.isnan(found[:, 4]))
 
@@ -61,7 +46,7 @@ def test_lowpass_passes_the_arm_through() -> None:
 def test_ideal_measurements_are_not_filtered(method: str) -> None:
     """With ideal sensors the estimate is the measurement."""
     measurements = np.random.default_rng(12).normal(size=(20, 5))
-    found = estimates(measurements, EstimatorParameters(method, sensors=Sensors(ideal=True)))
+    found, _ = estimates(measurements, EstimatorParameters(method, sensors=Sensors(ideal=True)))
     assert np.array_equal(found[:, :4], measurements[:, :4])
 
 
@@ -69,10 +54,10 @@ def test_new_method_starts_from_the_last_estimate() -> None:
     """No jump beyond the difference of the methods; a restart would set the speed to 0."""
     time = np.arange(400) * 1e-3
     theta = 0.1 * np.sin(5.0 * time)
-    before, after = (design_estimator(EstimatorParameters(each)) for each in ("kalman", "lowpass"))
-    memory, found = new_memory(EstimatorMemory)[0], np.zeros((400, 5))
-    for k, measurement in enumerate(of_theta(theta)):
-        estimate_state(memory, measurement, before if k < 200 else after, found[k])
+    estimator = EstimatorSteps(EstimatorParameters("kalman"))
+    before = [estimator.step(each)[0] for each in of_theta(theta)[:200]]
+    estimator.design(EstimatorParameters("lowpass"))
+    found = np.array([*before, *(estimator.step(each)[0] for each in of_theta(theta)[200:])])
     jump = np.abs(found[200, 2:4] - found[199, 2:4])
     assert jump[0] < 0.003
     assert jump[1] < 0.02

@@ -4,13 +4,9 @@ from math import pi
 
 import numpy as np
 import reference
+from estimator_steps import EstimatorSteps
 
-from furuta_control.estimation import (
-    EstimatorMemory,
-    EstimatorParameters,
-    design_estimator,
-    estimate_state,
-)
+from furuta_control.estimation import EstimatorMemory, EstimatorParameters, design_estimator
 from furuta_control.estimators import kalman, whole_circle
 from furuta_model.block import new_memory
 from furuta_model.pendulum import FurutaPendulum
@@ -40,7 +36,7 @@ def test_follows_a_turning_pendulum_through_the_seam() -> None:
     """Over more than a turn: angles within ±π, speeds and friction known, also at high speed."""
     viscous = 0.5
     p = EstimatorParameters("whole_circle", sensors=SENSORS, model_viscous=viscous)
-    design, memory, estimate = design_estimator(p), new_memory(EstimatorMemory)[0], np.zeros(5)
+    estimator = EstimatorSteps(p)
     x, level = np.array((0.0, 0.0, -2.0, 14.0)), 0.2
     generator = np.random.default_rng(3)
     errors = []
@@ -55,7 +51,7 @@ def test_follows_a_turning_pendulum_through_the_seam() -> None:
         noise = generator.normal(size=2) * (SENSORS.tachometer_noise, SENSORS.potentiometer_noise)
         theta = (x[2] + pi) % (2.0 * pi) - pi
         reading = np.array((x[0], x[1] + noise[0], theta + noise[1], np.nan, u))
-        estimate_state(memory, reading, design, estimate)
+        estimate, _ = estimator.step(reading)
         error = estimate[:4] - x
         errors.append(np.append((error + pi) % (2.0 * pi) - pi, estimate[4] - unknown))
         assert abs(estimate[2]) < pi + 0.1

@@ -68,11 +68,10 @@ def test_bounded_for_any_motion(kind: str) -> None:
             parts=CompensatorParameters(adaptive=AdaptiveParameters(abs(gain))),
             sample_time=dt,
         )[kind]
-        memory = empty()
-        for _ in range(500):
-            v = rng.choice([-1, 0, 1]) * 10 ** rng.uniform(-6, 3)
-            observed = rng.choice([nan, rng.normal(0, 10)])
-            estimate = estimate_friction(memory, signals(v, rng.normal(0, 10), observed), observer)
+        memory, speeds = empty(), rng.choice([-1, 0, 1], 500) * 10 ** rng.uniform(-6, 3, 500)
+        unknown, (phi, friction) = rng.random(500) < 0.5, rng.normal(0, 10, (2, 500))
+        for x in zip(speeds, phi, np.where(unknown, nan, friction), strict=True):
+            v, estimate = x[0], estimate_friction(memory, signals(*x), observer)
             assert abs(estimate) <= bound + lugre.viscous * abs(v)
             assert abs(estimate) <= largest_estimate(v, observer) * (1 + 1e-9)
             assert abs(lugre.sigma0 * memory["bristle"]) <= bound

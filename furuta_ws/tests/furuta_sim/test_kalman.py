@@ -4,16 +4,11 @@ from math import nan, pi
 
 import numpy as np
 import pytest
+from estimator_steps import estimates
 from scipy.integrate import solve_ivp
 
-from furuta_control.estimation import (
-    EstimatorMemory,
-    EstimatorParameters,
-    design_estimator,
-    estimate_state,
-)
+from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.block import new_memory
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, simulate
@@ -30,15 +25,6 @@ SYSTEM = np.array(
     dtype=float,
 )
 TORQUE = np.array([0, 45, 0, -29, 0], dtype=float)
-
-
-def estimates(measurements: np.ndarray, p: EstimatorParameters) -> np.ndarray:
-    """Estimates (n, 5) for measurements (n, 5)."""
-    memory, design = new_memory(EstimatorMemory)[0], design_estimator(p)
-    result = np.zeros_like(measurements)
-    for measurement, estimate in zip(measurements.copy(), result, strict=True):
-        estimate_state(memory, measurement, design, estimate)
-    return result
 
 
 def sampled(dt: float, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -85,7 +71,7 @@ def test_agrees_with_the_textbook_filter() -> None:
 
     measurements = np.random.default_rng(3).normal(0, 0.03, (50, 5))
     measurements[:, 3] = nan
-    found = estimates(measurements, p)
+    found, _ = estimates(measurements, p)
     state = np.array([*measurements[0, :3], 0.0, 0.0])
     for measurement, estimate in zip(measurements[1:], found[1:], strict=True):
         state = transition @ state + torque * measurement[4]

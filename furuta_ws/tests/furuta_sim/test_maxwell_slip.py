@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from plant_steps import PlantSteps
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled
@@ -13,7 +14,6 @@ from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.varied_friction import keep_springs, springs_force, springs_friction
 from furuta_sim.parameters import PlantFriction, PlantParameters
-from furuta_sim.plant import design_plant, initial_plant, move
 
 P = Friction(alpha1=0.0)
 REACH = P.alpha0 / P.sigma0
@@ -64,17 +64,17 @@ def test_memory_of_reversals() -> None:
 
 def arm_under(law: str, torque: np.ndarray) -> np.ndarray:
     """Angle [rad] of the arm below a hanging pendulum under a torque [V] for each sample."""
-    plant = PlantParameters(
+    parameters = PlantParameters(
         friction=PlantFriction(law, P, 8),
         actuator=Actuator(bits=0),
         pendulum_friction=PendulumFriction(damping=0.02),
     )
-    design, memory = design_plant(plant), initial_plant(plant)[0]
-    x = memory["x"]
+    plant = PlantSteps(parameters)
+    x = plant.memory["x"][0]
     x[2] = np.pi
     angle = np.empty(len(torque))
     for k, u in enumerate(torque):
-        move(memory, float(u), design)
+        plant.move(u)
         angle[k] = x[0]
     return angle
 

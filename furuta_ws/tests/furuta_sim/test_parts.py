@@ -5,18 +5,21 @@ from typing import Any
 import numpy as np
 import pytest
 import reference
+from plant_steps import PlantSteps
 from scipy.integrate import solve_ivp
 
+from furuta_control.control import ControllerParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import design_plant, initial_plant, move, read, true_friction
+from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # Pendulum hanging at rest, so that nothing moves unless it is pushed.
 HANGING = {"initial.theta": np.pi}
 NO_FRICTION = {"friction.alpha0": 0.0, "friction.alpha1": 0.0}
 FINE_DRIVE = {"actuator.bits": 0}
+OFF = ControllerParameters(mode="off")
 
 
 def rig(**given: Any) -> PlantParameters:
@@ -28,24 +31,21 @@ def run(
     parameters: PlantParameters, commands: np.ndarray, start: np.ndarray | None = None
 ) -> np.ndarray:
     """The plant's memory after every sample (n,)."""
-    plant, memory = design_plant(parameters), initial_plant(parameters)
+    plant, rows = PlantSteps(parameters), []
     if start is not None:
-        memory["x"][0, : len(start)] = start
-    rows = []
+        plant.memory["x"][0, : len(start)] = start
     for u in commands:
-        move(memory[0], float(u), plant)
-        rows.append(memory.copy())
+        plant.move(u)
+        rows.append(plant.memory.copy())
     return np.concatenate(rows)
 
 
 def readings(parameters: PlantParameters, samples: int) -> np.ndarray:
     """Readings (n, 5) while the rig moves freely, with the same noise for any parameters."""
-    plant, memory = design_plant(parameters), initial_plant(parameters)[0]
-    noise, measurement, rows = np.random.default_rng(1), np.zeros(5), []
+    plant, noise, rows = PlantSteps(parameters), np.random.default_rng(1), []
     for _ in range(samples):
-        read(memory, noise.standard_normal(2), plant, measurement)
-        rows.append(measurement.copy())
-        move(memory, 0.1, plant)
+        rows.append(plant.read(noise.standard_normal(2))[0])
+        plant.move(0.1)
     return np.array(rows)
 
 
@@ -150,15 +150,15 @@ def test_level_over_angle_time_and_load(law: str) -> None:
         friction__viscous=0.3,
         **FINE_DRIVE,
     )
-    plant, memory = design_plant(given), initial_plant(given)[0]
-    x = memory["x"]
+    plant = PlantSteps(given)
+    x = plant.memory["x"][0]
     x[THETA] = np.pi
     for _ in range(2000):
-        move(memory, 0.6, plant)
+        plant.move(0.6)
     factor = 1.0 + 0.3 * np.sin(3 * x[PHI] + 0.5) + 0.2 * (1.0 - np.exp(-1.999 / 0.5)) + 0.06
     expected = friction.alpha0 * factor + 0.3 * x[PHI_DOT]
     assert x[PHI_DOT] > 0.1
-    assert true_friction(memory, plant) == pytest.approx(expected, rel=5e-3)
+    assert plant.read()[1][-1] == pytest.approx(expected, rel=5e-3)
 
 
 def test_heat_is_the_work_of_the_friction() -> None:
@@ -243,14 +243,11 @@ def test_a_tilt_is_a_constant_acceleration_of_the_base() -> None:
 
 def test_waves_of_torque_are_cogging() -> None:
     """One wave is cogging of the same size; two waves add up."""
-    start = {"initial.phi": 0.3, "actuator.bits": 0}
-    cogged = build(
-        PlantParameters, start | {"cogging.torque": 0.2, "cogging.periods": 7, "cogging.phase": 0.0}
-    )
     wave = {"waves.orders": (7.0, 7.0), "waves.cosine": (0.0, 0.0), "waves.sine": (-0.15, -0.05)}
-    commands = np.full(200, 0.5)
-    np.testing.assert_allclose(
-        run(build(PlantParameters, start | wave), commands)["x"],
-        run(cogged, commands)["x"],
-        atol=1e-12,
-    )
+    cogging = {"cogging.torque": 0.2, "cogging.periods": 7, "cogging.phase": 0.0}
+    runs = [
+        simulate(Loop(build(PlantParameters, {"initial.phi": 0.3} | given), controller=OFF), 0.2)
+        for given in (wave, cogging)
+    ]
+    np.testing.assert_allclose(runs[0].state, runs[1].state, atol=1e-12)
+    assert abs(runs[0].state[-1, PHI] - 0.3) > 0.01

@@ -9,20 +9,15 @@ from math import cos, inf, nan, pi
 
 import numpy as np
 import pytest
+from estimator_steps import EstimatorSteps, estimates
 
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import (
     LOST,
-    EstimatorMemory,
     EstimatorParameters,
-    design_estimator,
-    estimate_state,
-    pass_skipped,
     skipped_samples,
-    unusable_readings,
 )
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.block import new_memory
 from furuta_model.parameters import ParameterError
 from furuta_model.sensors import Sensors
 from furuta_sim.parameters import InitialState, PlantParameters
@@ -41,17 +36,6 @@ def swinging() -> np.ndarray:
     measurements[:, 0], measurements[:, 1] = 0.3 * TIME, 0.3
     measurements[:, 2], measurements[:, 3] = 0.05 * np.sin(5.0 * TIME), nan
     return measurements
-
-
-def estimates(measurements: np.ndarray, p: EstimatorParameters) -> tuple[np.ndarray, np.ndarray]:
-    """Estimates (n, 5) and the unusable readings (n,) of every sample."""
-    memory, design = new_memory(EstimatorMemory)[0], design_estimator(p)
-    result = np.zeros_like(measurements)
-    unusable = np.zeros(len(result), dtype=int)
-    for k, measurement in enumerate(measurements.copy()):
-        estimate_state(memory, measurement, design, result[k])
-        unusable[k] = unusable_readings(memory)
-    return result, unusable
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -219,14 +203,11 @@ def test_a_pendulum_put_upright_by_hand_is_caught(method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_skipped_samples_are_bridged(method: str) -> None:
     """With every fifth measurement the speed is as good as with all, not five times too large."""
-    measurements, design = swinging(), design_estimator(EstimatorParameters(method))
-    memory, estimate = new_memory(EstimatorMemory)[0], np.zeros(5)
+    measurements, estimator = swinging(), EstimatorSteps(EstimatorParameters(method))
     expected, _ = estimates(measurements, EstimatorParameters(method))
     for k in range(0, 400, 5):
-        pass_skipped(
-            memory, skipped_samples(0.005, 0.001) if k else 0, measurements[k], design, estimate
-        )
-        estimate_state(memory, measurements[k].copy(), design, estimate)
+        skipped = skipped_samples(0.005, 0.001) if k else 0
+        estimate, unusable = estimator.step(measurements[k], skipped)
         if k >= 100:
             assert estimate[:4] == pytest.approx(expected[k, :4], abs=0.1)
-    assert unusable_readings(memory) == 0
+    assert unusable == 0

@@ -91,7 +91,7 @@ def test_control_over_topics(processes: Any) -> None:
     robot = processes.start(sys.executable, FOLDER / "robot.py")
     control = processes.start(
         *(sys.executable, FOLDER / "controller.py", "--ros-args"),
-        *("-p", "motion:=hold", "-p", "seconds:=5.0"),
+        *("-p", "motion:=hold", "-p", "seconds:=3.0"),
     )
     out, err = control.communicate(timeout=60)
     assert control.returncode == 0, err
