@@ -4,10 +4,9 @@ import numpy as np
 
 from furuta_model.block import block
 from furuta_model.compiled import for_types_of
-from furuta_ros.wire import Signals
-from furuta_sim import plant_node
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, design_plant, initial_plant
+from furuta_sim.plant_blocks import Signals, move_block, read_block
 
 QUIET = np.zeros(NOISE_CHANNELS)
 
@@ -17,8 +16,8 @@ class PlantSteps:
 
     def __init__(self, p: PlantParameters) -> None:
         self.memory, self._plant = initial_plant(p), block(design_plant(p))
-        self._move = for_types_of(plant_node._move, self.memory, 0.0, self._plant)
-        self._read = for_types_of(plant_node._read, self.memory, QUIET, 0.0, self._plant)
+        self._move = for_types_of(move_block, self.memory, 0.0, self._plant)
+        self._read = for_types_of(read_block, self.memory, QUIET, 0.0, self._plant)
 
     def move(self, command: float) -> None:
         """Move it over a sample."""

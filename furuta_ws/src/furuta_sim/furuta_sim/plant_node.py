@@ -8,26 +8,18 @@ from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from furuta_model.block import block
-from furuta_model.compiled import compiled, for_types_of
-from furuta_model.state import SIGNALS
+from furuta_model.compiled import for_types_of
 from furuta_ros.loop_publisher import LoopPublisher, sender
 from furuta_ros.messages import read_value
 from furuta_ros.node import FurutaNode
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, QOS
-from furuta_ros.wire import Signals, joint_state_bytes
+from furuta_ros.wire import joint_state_bytes
 from furuta_sim.lockstep import LockStep
 from furuta_sim.parameters import PlantNodeParameters
-from furuta_sim.plant import (
-    NOISE_CHANNELS,
-    Noise,
-    design_plant,
-    initial_plant,
-    move,
-    read,
-    true_friction,
-)
+from furuta_sim.plant import NOISE_CHANNELS, Noise, design_plant, initial_plant
+from furuta_sim.plant_blocks import move_block, read_block
 from furuta_sim.realtime import RealTime
 
 # Time that a reset takes [s]. Longer than NEW_START_AFTER, so that the other nodes start anew.
@@ -80,8 +72,8 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         self._rig = parameters.plant
         self._plant = block(design_plant(self._rig))
         no_noise = np.zeros(NOISE_CHANNELS)
-        self._read = for_types_of(_read, self._memory, no_noise, 0.0, self._plant)
-        self._move = for_types_of(_move, self._memory, 0.0, self._plant)
+        self._read = for_types_of(read_block, self._memory, no_noise, 0.0, self._plant)
+        self._move = for_types_of(move_block, self._memory, 0.0, self._plant)
         self._paused_from = parameters.run_until * NANOSECONDS / self.period - 0.5
         self.pacing.resume()
 
@@ -143,22 +135,6 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         response.success = True
         response.message = "held in the initial state until the next command"
         return response
-
-
-@compiled
-def _read(
-    memory: np.ndarray, noise: np.ndarray, torque: float, plant: np.ndarray
-) -> tuple[Signals, Signals]:
-    """The measurement, and the true state and friction."""
-    y, x = np.empty(SIGNALS), memory[0].x
-    read(memory[0], noise, plant[0], y)
-    friction = true_friction(memory[0], plant[0])
-    return (y[0], y[1], y[2], y[3], torque), (x[0], x[1], x[2], x[3], friction)
-
-
-@compiled
-def _move(memory: np.ndarray, command: float, plant: np.ndarray) -> float:
-    return move(memory[0], command, plant[0])
 
 
 def main() -> None:

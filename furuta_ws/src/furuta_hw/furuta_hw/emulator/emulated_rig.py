@@ -14,11 +14,14 @@ from furuta_hw.emulator.faults import Faults, FaultyLine, build_from_known
 from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
+from furuta_model.block import block
+from furuta_model.compiled import for_types_of
 from furuta_model.converter import Actuator
 from furuta_model.parts.sensor_faults import sensed_state
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_sim.plant import Noise, design_plant, initial_plant, move
+from furuta_sim.plant import Noise, design_plant, initial_plant
+from furuta_sim.plant_blocks import move_block
 
 
 def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
@@ -61,7 +64,7 @@ class EmulatedRig:
         drive = self._drive
         self.firmware = make_firmware(drive.low, drive.high, drive.to_code(0.0))
         self._noise = Noise(self.plant.seed)
-        self._plant = design_plant(self.plant)
+        self._plant = block(design_plant(self.plant))
         self.faults = faults or Faults()
         self._line_to_rig, self._line_to_host = FaultyLine(1), FaultyLine(2)
         self._inbox = b""
@@ -70,7 +73,7 @@ class EmulatedRig:
         self._arm_code = self._arm.to_code(self.x[PHI])
         self.held = True
         self._driven_before = 0
-        move(self._memory.copy()[0], 0.0, self._plant)  # compile before time matters
+        self._move = for_types_of(move_block, self._memory, 0.0, self._plant)
 
     @property
     def x(self) -> np.ndarray:
@@ -107,7 +110,7 @@ class EmulatedRig:
         self.held = self.held and firmware.driven == self._driven_before
         self.volts = self.drive_volts
         if not self.held:
-            move(self._memory[0], self.volts, self._plant)
+            self._move(self._memory, self.volts, self._plant)
         firmware.fault = self.faults.rig_fault
         return self._line_to_host.carry(firmware.sample(*self._codes()), self.faults)
 
