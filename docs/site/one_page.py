@@ -19,6 +19,7 @@ from page_designs import (
     LEVELS,
     PUSHES,
     SELECTING,
+    STRENGTH,
     STRENGTH_KNOB,
     Group,
     Knob,
@@ -88,17 +89,26 @@ def data() -> dict[str, Any]:
         "fall_angle": BASE.controller.fall_angle,
         "encoder_counts": BASE.plant.sensors.encoder_counts,
         "groups": [table(group, page) for group in made],
-        "knobs": [shown(knob) for knob in (*knobs.values(), STRENGTH_KNOB)],
+        "knobs": [shown(knob) for knob in sorted((*knobs.values(), STRENGTH_KNOB), key=rank)],
         "measured": DECLARED["measured"],
         "scenes": [scene | {"steps": steps(scene["steps"])} for scene in DECLARED["scenes"]],
+        "words": DECLARED["words"],
         "what_if": steps(DECLARED["what_if"]),
         "cycles": cycles(),
     }
 
 
+def rank(knob: Knob) -> int:
+    """Place on the page: those in sight come first, in their order."""
+    names = list(DECLARED["in_sight"])
+    return names.index(knob.shows) if knob.shows in names else len(names)
+
+
 def shown(knob: Knob) -> dict[str, Any]:
     """A knob as the page shows it: one that multiplies a number is a slider that shows it."""
     plain = DECLARED["in_sight"].get(knob.shows, {})
+    if knob.name == "compensation":
+        plain = plain | {"words": DECLARED["compensations"]}
     base = {**BASE_VALUES, STRENGTH_KNOB.shows: 1.0}.get(knob.shows)
     return {
         "name": knob.name,
@@ -106,10 +116,10 @@ def shown(knob: Knob) -> dict[str, Any]:
         "symbol": plain.get("symbol", ""),
         "meaning": knob.meaning,
         "values": list(knob.values),
-        "words": [DECLARED["compensations"].get(value, value) for value in knob.values],
+        "words": [plain.get("words", {}).get(value, value) for value in knob.values],
         "initial": knob.initial,
         "unit": knob.unit,
-        "in_sight": bool(knob.unit),
+        "in_sight": bool(plain) and knob.shows != STRENGTH,
         **({"base": base} if base is not None else {}),
     }
 

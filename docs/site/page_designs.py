@@ -26,8 +26,7 @@ PUSHES = "plant_parts_pushes"
 COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive", "recommended")
 BASE = furuta.make_loop(PUSH)
 FRICTION = BASE.plant.friction.parameters
-LEVELS = (0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.5, 3)
-BELIEVED = (0.25, 0.5, 0.75, 1, 1.25, 1.5, 2)
+LEVELS = (0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2)
 STRENGTHS = (0, 0.1, 0.2, 0.3, 0.5, 0.75, 1, 1.25, 1.5, 2)
 STRENGTH = "controller.strength"
 WHOLE_TURN = {f"{node}.sensors.potentiometer_range": np.pi for node in ("plant", "estimator")}
@@ -125,13 +124,14 @@ CONTROL_KNOBS = (
         "how F̂ [V] is computed; recommended: LuGre observer with super-twisting",
         {name: {"friction_observer.compensation": name} for name in COMPENSATIONS},
         "none",
+        "friction_observer.compensation",
     ),
     Knob(
         "believed",
         "Believed level ×",
         "α₀ and α₁ of the compensation's model, times this",
         times(
-            BELIEVED,
+            LEVELS,
             friction_observer__alpha0=FRICTION.alpha0,
             friction_observer__alpha1=FRICTION.alpha1,
         ),

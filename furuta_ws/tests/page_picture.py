@@ -49,7 +49,7 @@ def main(page_file: str, folder: str) -> None:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=OPTIONS)
         page = browser.new_page(viewport=SIZE)
         page.goto(Path(page_file).absolute().as_uri())
-        page.wait_for_function("window.page && page.drawing.frames > 0")
+        page.wait_for_selector("#scene h2")
         page.evaluate("page.state.paused = true; page.drawing.simplify(0, true)")
         for name, shown in {"page.webp": compensation, "swing-up.webp": swing_up}.items():
             first, *others = shown(page)

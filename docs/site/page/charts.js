@@ -1,5 +1,5 @@
 // Charts without furniture: round ticks, no frame, the colours of the names above them.
-const LEFT = 36, BELOW = 18, ABOVE = 8, RIGHT = 8;
+const LEFT = 40, BELOW = 18, ABOVE = 8, RIGHT = 8;
 let colours;
 
 // Colours are read anew after a change between dark and light.
@@ -40,7 +40,7 @@ function limit(name, value, least) {
 
 // Draws curves { x, y, colour, width } (arrays of numbers) in a canvas. Axes are symmetric about zero and hold all curves
 // and `least`, or the horizontal one is given as `across`.
-export function chart(id, curves, { across, least, dot }) {
+export function chart(id, curves, { across, least, units, dot }) {
   const canvas = document.getElementById(id), scale = Math.min(2, devicePixelRatio);
   const width = canvas.clientWidth, height = canvas.clientHeight;
   const c = canvas.getContext("2d", { willReadFrequently: true });
@@ -67,7 +67,12 @@ export function chart(id, curves, { across, least, dot }) {
     c.fillText(label(v), LEFT - 6, y(v));
   }
   c.textAlign = "center";
-  for (const v of ticks(from, to, width < 200 ? 2 : 5)) c.fillText(label(v), Math.min(x(v), width - 12), height - 6);
+  const marks = ticks(from, to, width < 200 ? 2 : 5);
+  for (const v of marks) c.fillText(label(v), Math.min(x(v), width - 12), height - 6);
+  c.textAlign = "left";
+  c.fillText(units[1], LEFT + 3, ABOVE + 7);
+  c.textAlign = "right";
+  c.fillText(units[0], width, height - BELOW - 7);
   c.save();
   c.beginPath();
   c.rect(LEFT, 0, width - LEFT, height - BELOW + 2);

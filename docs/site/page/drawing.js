@@ -6,7 +6,7 @@ import { Stage } from "./stage.js";
 export const DEGREE = Math.PI / 180;
 const SHOWN = 10, PLANE = 5;  // seconds over time and in the planes
 // Smooth edges and pixels, from all details to the fewest.
-const DETAILS = [[true, 1], [false, 1], [false, 0.75], [false, 0.5]];
+const DETAILS = [[true, 1], [false, 1], [false, 0.75]];
 const LATE = 45;  // a frame that comes later is late [ms]
 
 const thinned = (rows, most) => rows.filter((_, i) => (rows.length - 1 - i) % Math.max(1, Math.floor(rows.length / most)) === 0);
@@ -71,19 +71,19 @@ export class Drawing {
       curves.push(curve(behind, before(end), angle(old.rows, PHI), "was", 1.6));
     }
     curves.push(curve(rows, before(now), angle(rows, THETA), "pendulum", 1.6), curve(rows, before(now), angle(rows, PHI), "arm", 2.2));
-    chart("angles", curves, { across: [-SHOWN, 0], least: { y: 5 } });
+    chart("angles", curves, { across: [-SHOWN, 0], least: { y: 5 }, units: ["s", "°"] });
   }
 
   voltages() {
     const rows = thinned(this.motion.newest(SHOWN), 500), time = before(this.motion.loop.time);
     const curves = [[U, "command", 1.2], [F, "friction", 2.4], [F_HAT, "estimate", 1.4]];
-    chart("voltages", curves.map(([i, ...look]) => curve(rows, time, column(i), ...look)), { across: [-SHOWN, 0], least: { y: 0.4 } });
+    chart("voltages", curves.map(([i, ...look]) => curve(rows, time, column(i), ...look)), { across: [-SHOWN, 0], least: { y: 0.4 }, units: ["s", "V"] });
   }
 
   frictions() {
     const rows = thinned(this.motion.newest(PLANE), 400), s = this.motion.loop.signals;
     const curves = [[F, "friction", 2.4], [F_HAT, "estimate", 1.4]].map(([i, ...look]) => curve(rows, column(SPEED), column(i), ...look));
-    chart("frictions", curves, { least: { x: 1, y: 0.2 }, dot: { x: s[1], y: s[10], colour: "friction" } });
+    chart("frictions", curves, { least: { x: 1, y: 0.2 }, units: ["rad/s", "V"], dot: { x: s[1], y: s[10], colour: "friction" } });
   }
 
   phase() {
@@ -91,6 +91,6 @@ export class Drawing {
     const middle = orbit.length ? (Math.min(...orbit.map(([x]) => x)) + Math.max(...orbit.map(([x]) => x))) / 2 : 0;
     const exact = curve(orbit, ([x]) => (x - middle) / DEGREE, ([, y]) => y, "was", 6);
     const dot = { x: wrapped(s[0]) / DEGREE, y: s[1], colour: "arm" };
-    chart("phase", [exact, curve(rows, angle(rows, PHI), column(SPEED), "arm", 1.8)], { least: { x: 10, y: 0.5 }, dot });
+    chart("phase", [exact, curve(rows, angle(rows, PHI), column(SPEED), "arm", 1.8)], { least: { x: 10, y: 0.5 }, units: ["°", "rad/s"], dot });
   }
 }

@@ -14,8 +14,20 @@ export function numbersFile(rows) {
   save("furuta.csv", new Blob([[COLUMNS, ...rows].map((row) => `${row.join(",")}\n`).join("")], { type: "text/csv" }));
 }
 
-// Stage and charts as they are, with their words, as PNG. The stage must just have been drawn.
-export function pictureFile(stage) {
+// The texts in some elements, each with its box and style.
+function* texts(elements) {
+  for (const element of elements) {
+    const walker = document.createTreeWalker(element, NodeFilter.SHOW_TEXT), range = document.createRange();
+    while (walker.nextNode()) {
+      range.selectNodeContents(walker.currentNode);
+      const box = range.getBoundingClientRect();
+      if (box.width) yield [walker.currentNode.data.trim(), box, getComputedStyle(walker.currentNode.parentElement)];
+    }
+  }
+}
+
+// Stage and charts as they are, with their words and a caption, as PNG. The stage must just have been drawn.
+export function pictureFile(stage, caption) {
   const style = getComputedStyle(document.documentElement), main = document.querySelector("main").getBoundingClientRect();
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
   const boxes = [...document.querySelectorAll("#stage, figure")].map((each) => [each, each.getBoundingClientRect()]);
@@ -35,13 +47,12 @@ export function pictureFile(stage) {
     const box = canvas.getBoundingClientRect();
     c.drawImage(canvas, box.left, box.top, box.width, box.height);
   }
-  const words = document.querySelectorAll(".big span, .key dt, .key dd, figcaption b, figcaption span, h1");
-  for (const each of [...words].filter((word) => word.textContent && word.offsetParent)) {
-    const { font, color } = getComputedStyle(each), box = each.getBoundingClientRect();
-    c.font = font;
-    c.fillStyle = color;
-    c.textBaseline = "middle";
-    c.fillText(each.textContent, box.left, each.tagName === "H1" ? main.top - 16 : box.top + box.height / 2);
+  c.textBaseline = "middle";
+  for (const [words, box, { font, color }] of texts(document.querySelectorAll(".big, .key, figcaption"))) {
+    Object.assign(c, { font, fillStyle: color });
+    c.fillText(words, box.left, box.top + box.height / 2);
   }
+  Object.assign(c, { font: "600 15px system-ui, sans-serif", fillStyle: colour("ink") });
+  c.fillText(caption, main.left + 16, main.top - 16);
   picture.toBlob((blob) => save("furuta.png", blob));
 }

@@ -3,6 +3,7 @@ import { Loop, RATE } from "./loop.js";
 
 const EVERY = 5;  // a row of so many samples
 const KEPT = 10;  // seconds of rows that are shown
+const CAUGHT = 1;  // a pendulum that is upright for so long has not fallen [s]
 // Columns of a row: time [s], arm angle and speed, pendulum, friction, its estimate, voltage.
 export const TIME = 0, PHI = 1, SPEED = 2, THETA = 3, F = 4, F_HAT = 5, U = 6;
 
@@ -15,7 +16,8 @@ export class Motion {
     this.loop = new Loop(data);
     this.rows = [];
     this.since = 0;  // time of the last change [s]
-    this.was = null;  // the swing before it [rad]
+    this.name = "";  // of the settings
+    this.was = null;  // name and swing [rad] of those before
     this.before = null;  // the rows before it, and since when they are shown behind the new ones
     this.planned = null;  // a push to come: torques on arm and pendulum [V]
     this.fell = false;
@@ -44,9 +46,10 @@ export class Motion {
     return this.hasFallen ? "fell" : this.remaining ? null : this.size;
   }
 
-  // The ends of the arm's swing in what is measured [rad].
+  // The ends of the arm's swing [rad] in what is measured, which begins with the last change.
   get swing() {
-    const angles = this.newest(this.data.measured.window).map((row) => row[PHI]);
+    const { window } = this.data.measured;
+    const angles = this.newest(Math.min(window, this.loop.time - this.since)).map((row) => row[PHI]);
     return angles.length ? [Math.min(...angles), Math.max(...angles)] : [0, 0];
   }
 
@@ -56,13 +59,18 @@ export class Motion {
   }
 
   newest(seconds = KEPT) {
-    return this.rows.slice(-Math.round((seconds * RATE) / EVERY));
+    return this.rows.slice(-Math.max(1, Math.round((seconds * RATE) / EVERY)));
+  }
+
+  // Seconds until the push of a step; nothing if there is none.
+  get untilPush() {
+    return this.planned && this.data.measured.push_after - (this.loop.time - this.since);
   }
 
   // What comes is measured anew, and the motion so far is kept.
   changed() {
     if (!this.remaining && !this.hasFallen) {
-      this.was = this.size;
+      this.was = { name: this.name, size: this.size };
       this.before = { rows: this.newest(), at: this.loop.time };
     }
     this.since = this.loop.time;
@@ -94,9 +102,9 @@ export class Motion {
       this.loop.run(EVERY);
       const s = this.loop.signals, { time } = this.loop;
       this.rows.push([time, s[0], s[1], wrapped(s[2]), s[10], s[11], s[12]]);
-      if (this.planned && time - this.since >= this.data.measured.push_after) this.push(...this.planned);
+      if (this.planned && this.untilPush <= 0) this.push(...this.planned);
       if (this.leans) Object.assign(this, { since: time, fell: true });
-      else if (this.swingsUp) this.fell = false;
+      else if (this.swingsUp || time - this.since > CAUGHT) this.fell = false;
     }
     if (this.rows.length > (2 * KEPT * RATE) / EVERY) this.rows = this.newest();
   }

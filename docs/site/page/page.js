@@ -22,14 +22,13 @@ const make = (tag, properties = {}, ...children) => {
 const motion = new Motion(DATA), { loop } = motion;
 const knobOf = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob]));
 const initial = Object.fromEntries(DATA.knobs.map((knob) => [knob.name, knob.initial]));
-// The result of each step.
+// The result of each step, and settings of the user's own with their result.
 const results = DATA.scenes.map((scene) => scene.steps.map(() => null));
-// A scene and one of its steps, or null for the user's own settings.
-const state = { scene: 0, step: 0, paused: false, speed: 1, side: 1 };
+const own = { name: "your settings", knobs: null, result: null };
+// A scene, the step that it is at, whether the user's own settings run instead, and whether the user has pushed.
+const state = { scene: 0, step: 0, isOwn: false, pushed: false, paused: false, speed: 1, side: 1 };
 const drawing = new Drawing($("stage"), motion, cycle);
 let pointer, last = performance.now();
-
-const isStep = () => state.step !== null;
 
 function degrees(radians) {
   const value = radians / DEGREE;
@@ -49,26 +48,28 @@ function setKnobs(knobs) {
   showKnobs();
 }
 
-// The user's own setting: no step of a scene.
+// The user's own settings.
 function choose(knobs) {
-  state.step = null;
+  Object.assign(state, { isOwn: true, pushed: false });
   motion.planned = null;
   setKnobs(knobs);
+  Object.assign(own, { knobs: { ...loop.knobs }, result: null });
+  motion.name = own.name;
   showScene();
 }
 
 function enter(scene, step) {
-  const { knobs, push: pushed } = DATA.scenes[scene].steps[step];
-  Object.assign(state, { scene, step });
+  const { name, knobs, push } = DATA.scenes[scene].steps[step];
+  Object.assign(state, { scene, step, isOwn: false, pushed: false });
   setKnobs({ ...initial, ...knobs });
-  motion.planned = pushed ? [pushed["pushes.arm"] || 0, pushed["pushes.pendulum"] || 0] : null;
-  results[scene][step] = null;
+  motion.name = name;
+  motion.planned = push ? [push["pushes.arm"] || 0, push["pushes.pendulum"] || 0] : null;
   showScene();
 }
 
 function next() {
-  const { steps } = DATA.scenes[state.scene], step = (state.step ?? -1) + 1;
-  enter(...(step < steps.length ? [state.scene, step] : [(state.scene + 1) % DATA.scenes.length, 0]));
+  const step = state.step + 1;
+  enter(...(step < DATA.scenes[state.scene].steps.length ? [state.scene, step] : [(state.scene + 1) % DATA.scenes.length, 0]));
 }
 
 function back() {
@@ -82,6 +83,7 @@ function said(result) {
 }
 
 function waiting() {
+  if (motion.planned) return `push in ${Math.ceil(motion.untilPush)} s`;
   if (motion.swingsUp && motion.leans) return "swinging up";
   return `measuring: ${Math.ceil(motion.remaining)} s`;
 }
@@ -95,16 +97,18 @@ function cycle() {
 
 function showScene() {
   const scene = DATA.scenes[state.scene], { steps } = scene;
-  const rows = steps.map((step, i) => {
-    const choice = make("input", { type: "radio", name: "step", checked: i === state.step, onchange: () => enter(state.scene, i) });
-    return make("label", {}, choice, make("span", { textContent: step.name }), make("output"));
-  });
+  const row = (name, checked, onchange) => {
+    const choice = make("input", { type: "radio", name: "step", checked, onchange });
+    return make("label", {}, choice, make("span", { textContent: name }), make("output"));
+  };
+  const rows = steps.map(({ name }, i) => row(name, !state.isOwn && i === state.step, () => enter(state.scene, i)));
+  if (own.knobs) rows.push(row(own.name, state.isOwn, () => choose(own.knobs)));
   const known = scene.predict
     ? [["exact cycle", "exact"], ["describing function", "predicted"]].map(([name, key]) => {
       const found = cycle(), number = found ? degrees(found[key]) : found === null ? "no cycle" : "not for these settings";
       return make("div", { className: "known" }, name, make("b", { textContent: number }));
     }) : [];
-  const look = isStep() ? steps[state.step].look : "These are your own settings. Choose a line to come back to the scene.";
+  const look = state.isOwn ? "These are your own settings. Choose another line to come back to the scene." : steps[state.step].look;
   const following = DATA.scenes[state.scene + 1];
   const isLast = state.step === steps.length - 1;
   const onward = !isLast ? "Next step" : following ? `Next: ${following.name}` : "Begin again";
@@ -136,10 +140,11 @@ function showKnobs() {
     else {
       control.value = values.indexOf(value);
       control.style.setProperty("--part", `${(100 * control.value) / (values.length - 1)}%`);
-      const shown = `${Number((base * Number(value)).toPrecision(3))} ${unit}`.trim();
+      const shown = `${Number((base * Number(value)).toFixed(2))} ${unit}`.trim();
       control.ariaValueText = control.parentElement.querySelector("output").textContent = shown;
     }
   }
+  $("knob-believed").disabled = loop.knobs.compensation === "none";  // nothing expects any friction
   DATA.what_if.forEach(({ knobs }, i) => {
     $("chips").children[i].ariaPressed = Object.entries(knobs).every(([name, value]) => loop.knobs[name] === value);
   });
@@ -163,29 +168,41 @@ function makeKnobs() {
     if (!inSight) knob.append(make("small", { textContent: meaning }));
     $(inSight ? "sliders" : "knobs").append(knob);
   }
+  for (const [word, meaning] of Object.entries(DATA.words)) $("words").append(make("dt", { textContent: word }), make("dd", { textContent: meaning }));
   showKnobs();
+}
+
+// Keeps what has been measured. A fall that the user has caused says nothing of the step.
+function keep(result) {
+  if (result === null || (result === "fell" && state.pushed)) return;
+  if (state.isOwn) own.result = result;
+  else {
+    if (results[state.scene][state.step] === null) $("said").textContent = `${motion.name}: ${said(result)}`;
+    results[state.scene][state.step] = result;
+  }
 }
 
 // What is told in words and numbers, a few times a second.
 function tell() {
-  const { result, size } = motion, waits = result === null;
-  if (isStep() && !waits) {
-    if (results[state.scene][state.step] === null) $("said").textContent = `The arm swings ${said(result)}.`;
-    results[state.scene][state.step] = result;
-  }
-  const fell = result === "fell";
+  const { result, size, was } = motion, waits = result === null, fell = result === "fell";
+  keep(result);
   $("swing").textContent = fell ? "–" : degrees(size);
   $("counts").textContent = waits ? waiting() : fell ? "fell" : counts(size);
-  $("was").textContent = motion.was && !waits ? `before: ${degrees(motion.was)}` : "";
+  $("was").textContent = was && !waits ? `${was.name}: ${degrees(was.size)}` : "";
   document.querySelector(".big").classList.toggle("measuring", waits || fell);
   $("fallen").hidden = !motion.hasFallen;
-  const here = results[state.scene], largest = Math.max(...here.filter(Number.isFinite), LONG_BAR);
+  const here = [...results[state.scene], own.result], runs = state.isOwn ? here.length - 1 : state.step;
+  const largest = Math.max(...here.filter(Number.isFinite), LONG_BAR);
   document.querySelectorAll("fieldset label").forEach((row, i) => {
-    const known = here[i] !== null;
+    const isNow = i === runs && waits, known = here[i] !== null && !isNow;
     row.classList.toggle("waits", !known);
-    row.querySelector("output").textContent = known ? said(here[i]) : i !== state.step ? "not yet" : `${Math.ceil(motion.remaining)} s …`;
+    row.querySelector("output").textContent = known ? said(here[i]) : isNow ? waiting().replace("measuring: ", "") : "not yet";
     row.style.setProperty("--part", `${here[i] > 0 ? (100 * here[i]) / largest : 0}%`);
   });
+  showProgress();
+}
+
+function showProgress() {
   results.forEach((scene, i) => {
     const button = $("scenes").children[i].firstChild, part = scene.filter((each) => each !== null).length / scene.length;
     button.classList.toggle("done", part === 1 && i !== state.scene);
@@ -223,6 +240,7 @@ function setPaused(paused) {
 }
 
 function pushPart(part, direction = (state.side = -state.side)) {
+  state.pushed = true;
   motion.push(part === "arm" ? direction * PUSHES.arm : 0, part === "pendulum" ? direction * PUSHES.pendulum : 0);
 }
 
@@ -240,29 +258,29 @@ function toast(words) {
 
 // The settings as the end of a link, and back.
 function link() {
-  const own = Object.entries(loop.knobs).filter(([name, value]) => value !== initial[name]);
-  const place = { scene: state.scene + 1, ...(isStep() ? { step: state.step + 1 } : Object.fromEntries(own)) };
+  const turned = Object.entries(loop.knobs).filter(([name, value]) => value !== initial[name]);
+  const place = { scene: state.scene + 1, ...(state.isOwn ? Object.fromEntries(turned) : { step: state.step + 1 }) };
   return `#${new URLSearchParams(place)}`;
 }
 
 function share() {
   window.history.replaceState(null, "", link());
-  const done = (words) => toast(`${words} It holds the scene and all settings.`);
+  const done = (words) => toast(`${words} It holds the scene and the settings.`);
   const failed = () => done("The link is in the address bar.");
   (navigator.clipboard?.writeText(location.href) ?? Promise.reject()).then(() => done("The link is copied."), failed);
 }
 
 function follow() {
   const { scene = "1", step, ...knobs } = Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
-  const own = Object.entries(knobs), place = [scene - 1, (step ?? 1) - 1];
-  const wrong = own.find(([name, value]) => !knobOf[name]?.values.includes(value))?.join("=");
+  const given = Object.entries(knobs), place = [scene - 1, (step ?? 1) - 1];
+  const wrong = given.find(([name, value]) => !knobOf[name]?.values.includes(value))?.join("=");
   if (wrong || !DATA.scenes[place[0]]?.steps[place[1]]) {
     toast(`The link asks for ${wrong ?? `step ${step ?? 1} of scene ${scene}`}, which this page does not have.`);
     enter(0, 0);
     return;
   }
   enter(...place);
-  if (own.length) choose({ ...initial, ...knobs });
+  if (given.length) choose({ ...initial, ...knobs });
 }
 
 const KEYS = {
@@ -279,13 +297,13 @@ document.onkeydown = (event) => {
 $("play").onclick = () => setPaused(!state.paused);
 $("reset").onclick = $("again").onclick = () => motion.reset();
 $("share").onclick = share;
-$("picture").onclick = () => { drawing.drawAll(); pictureFile($("stage").firstChild); };
+$("picture").onclick = () => { drawing.drawAll(); pictureFile($("stage").firstChild, `${DATA.scenes[state.scene].title}: ${motion.name}, ${link().slice(1)}`); };
 $("numbers").onclick = () => numbersFile(motion.newest());
 for (const button of document.querySelectorAll("[data-push]")) button.onclick = () => pushPart(button.dataset.push);
 $("speed").append(...Object.keys(SPEEDS).map((name) => make("button", { textContent: name, onclick: () => setSpeed(name) })));
 
 if (drawing.stage) {
-  pointer = new Pointer($("stage"), drawing.stage, loop.signals, () => motion.changed(), (phi, theta) => {
+  pointer = new Pointer($("stage"), drawing.stage, loop.signals, () => { state.pushed = true; motion.changed(); }, (phi, theta) => {
     motion.reset(phi, theta);
     setPaused(false);
   });

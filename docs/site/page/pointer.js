@@ -31,6 +31,12 @@ export class Pointer {
       }
       this.held.at = [x, y];
     };
+    // A finger on the pendulum or the arm does not scroll the page.
+    host.addEventListener("touchstart", (event) => {
+      const [finger] = event.touches;
+      if (event.target.id === "view" && stage.under(at(finger), signals[0], signals[2])) event.preventDefault();
+    }, { passive: false });
+    host.ondblclick = (event) => event.target.id === "view" && stage.lookFromStart();
     host.onpointerup = host.onpointercancel = (event) => {
       const part = this.held?.part;
       this.held = null;

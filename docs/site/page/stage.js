@@ -6,7 +6,7 @@ import {
   RingGeometry, Scene, SphereGeometry, TubeGeometry, Vector2, Vector3, Curve, WebGLRenderer,
 } from "three";
 
-const HUB = 0.7, ARM = 1.1, LENGTH = 1.12, REACH = 1.25;  // heights and lengths
+const HUB = 0.95, ARM = 1.1, LENGTH = 0.85;  // a pendulum that hangs stays above the floor
 const LIGHT = new Vector3(2.2, 5, 2.6);
 const ARROW = { radius: 0.25, most: 2.6, perVolt: 4, least: 0.08 };
 const GRABBED = 26;  // how near to a rod a pointer grabs it [pixels]
@@ -14,13 +14,17 @@ const GRABBED = 26;  // how near to a rod a pointer grabs it [pixels]
 export class Stage {
   constructor(host, antialias) {
     this.host = host;
-    this.view = { turn: 0.7, height: 0.42 };
+    this.lookFromStart();
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(30, 1, 0.1, 50);
     this.tinted = [];
     this.build();
     this.detail = 1;
     this.renew(antialias);
+  }
+
+  lookFromStart() {
+    this.view = { turn: 0.7, height: 0.42 };
   }
 
   // A canvas with or without smooth edges; it cannot be changed later.
@@ -70,7 +74,7 @@ export class Stage {
     scene.add(sun);
     this.addScale(flat("was"));
     const metal = solid("metal"), dark = solid("dark-metal"), arm = solid("arm"), pendulum = solid("bob");
-    const foot = [[0, 0], [0.34, 0], [0.3, 0.07], [0.13, 0.07], [0.13, 0.57], [0.16, 0.58], [0.16, 0.64], [0, 0.64]];
+    const foot = [[0, 0], [0.34, 0], [0.3, 0.07], [0.13, 0.07], [0.13, 0.81], [0.16, 0.82], [0.16, 0.88], [0, 0.88]];
     const standing = add(scene, new LatheGeometry(foot.map(([x, y]) => new Vector2(x, y)), 40), metal);
     standing.material.side = DoubleSide;
     const [turn, swing] = [new Group(), new Group()];
@@ -92,8 +96,8 @@ export class Stage {
     this.sector = add(scene, new RingGeometry(), flat("arm", { transparent: true, opacity: 0.25, side: DoubleSide, depthWrite: false }));
     this.sector.rotation.x = -Math.PI / 2;
     this.sector.position.y = 0.008;
-    this.torque = this.addArrow(flat("command", { side: DoubleSide }), 0.46);
-    this.friction = this.addArrow(flat("friction", { side: DoubleSide }), 0.25);
+    this.torque = this.addArrow(flat("command", { side: DoubleSide }), 0.62);
+    this.friction = this.addArrow(flat("friction", { side: DoubleSide }), 0.34);
   }
 
   // A circle on the floor with a mark every 5 degrees.
@@ -163,7 +167,7 @@ export class Stage {
       this.renderer.setPixelRatio(this.detail * Math.min(2, devicePixelRatio));
       this.renderer.setSize(width, height, false);
     }
-    const { camera, view } = this, far = width < 1.3 * height ? 6.4 : 5.7, middle = new Vector3(0, width < 500 ? 0.7 : 0.74, 0);
+    const { camera, view } = this, far = width < 1.3 * height ? 6.4 : 5.7, middle = new Vector3(0, width < 500 ? 0.9 : 0.78, 0);
     camera.aspect = width / height;
     camera.position.set(Math.cos(view.height) * Math.sin(view.turn), Math.sin(view.height), Math.cos(view.height) * Math.cos(view.turn));
     camera.position.multiplyScalar(far).add(middle);
@@ -181,7 +185,7 @@ export class Stage {
     if (swept !== this.swept) {
       this.swept = swept;
       this.sector.geometry.dispose();
-      this.sector.geometry = new RingGeometry(0.36, 1.13, 48, 1, from, Math.min(2 * Math.PI, Math.max(0.006, to - from)));
+      this.sector.geometry = new RingGeometry(0.36, 1.13, 48, 1, from, Math.min(2 * Math.PI, Math.max(0.012, to - from)));
     }
     this.torque(u);
     this.friction(-friction);

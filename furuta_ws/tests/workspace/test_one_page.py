@@ -86,7 +86,7 @@ def opened(browser: Any, file: Path, end: str = "", **context: Any) -> Any:
     page.on("pageerror", lambda error: page.failures.append(str(error)))
     page.on("request", lambda request: page.requests.append(request.url))
     page.goto(file.as_uri() + end)
-    page.wait_for_function("window.page && page.drawing.frames > 0")
+    page.wait_for_selector("#scene h2")
     return page
 
 
@@ -143,7 +143,7 @@ def test_every_scene_to_its_end(page: Any) -> None:
             assert row.locator("span").inner_text() == step["name"]
             assert page.locator(".look").inner_text() == step["look"]
             run(page, 2.5)
-            assert page.locator("#counts").inner_text().startswith(("measuring: ", "swinging up"))
+            assert page.locator("#counts").inner_text().startswith(("measuring: ", "push in "))
             run(page, 25.0)
             sizes[step["name"]] = swing(page)
             printed = row.locator("output").inner_text()
@@ -175,11 +175,12 @@ def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> Non
     assert page.locator("#sliders output").first.inner_text() == "0.42 V"
     pressed = page.locator("#chips [aria-pressed=true]")
     assert pressed.all_inner_texts() == ["twice the friction", "a late motor"]
+    assert page.locator("fieldset label").last.inner_text().startswith("your settings")
     pressed.last.click()
     page.locator("#share").click()
-    assert page.evaluate("location.hash") == "#scene=2&level=2&compensation=lugre"
+    assert page.evaluate("location.hash") == "#scene=2&compensation=lugre&level=2"
     page.goto(page_file.as_uri() + "#scene=2&level=9")
-    page.wait_for_function("document.querySelector('#toast').textContent.includes('level=9')")
+    page.locator("#toast", has_text="level=9").wait_for()
     with page.expect_download() as numbers:
         page.locator("#numbers").click()
     rows = list(csv.DictReader(Path(numbers.value.path()).read_text().splitlines()))
@@ -198,7 +199,7 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     x, y = page.evaluate(f"page.drawing.stage.pixels('pendulum', {signals}[0], {signals}[2])")
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
-    page.mouse.move(box["x"] + x + 30, box["y"] + y, steps=5)
+    page.mouse.move(box["x"] + x + 15, box["y"] + y, steps=5)
     held = page.evaluate("page.motion.loop.signals[2]")
     assert abs(held) > 0.1
     page.mouse.up()
