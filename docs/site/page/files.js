@@ -27,7 +27,7 @@ function* texts(elements) {
 }
 
 // Stage and charts as they are, with their words and a caption, as PNG. The stage must just have been drawn.
-export function pictureFile(stage, caption) {
+export function pictureFile(caption) {
   const style = getComputedStyle(document.documentElement), main = document.querySelector("main").getBoundingClientRect();
   const colour = (name) => style.getPropertyValue(`--${name}`).trim();
   const boxes = [...document.querySelectorAll("#stage, figure")].map((each) => [each, each.getBoundingClientRect()]);
@@ -43,13 +43,13 @@ export function pictureFile(stage, caption) {
     c.fillStyle = colour("card");
     c.fillRect(box.left, box.top, box.width, box.height);
   }
-  for (const canvas of [stage, ...document.querySelectorAll("figure canvas")]) {
+  for (const canvas of document.querySelectorAll("main canvas")) {
     const box = canvas.getBoundingClientRect();
     c.drawImage(canvas, box.left, box.top, box.width, box.height);
   }
   c.textBaseline = "middle";
-  for (const [words, box, { font, color }] of texts(document.querySelectorAll(".big, .key, figcaption"))) {
-    Object.assign(c, { font, fillStyle: color });
+  for (const [words, box, { fontWeight, fontSize, fontFamily, color }] of texts(document.querySelectorAll(".big, .key, figcaption"))) {
+    Object.assign(c, { font: `${fontWeight} ${fontSize} ${fontFamily}`, fillStyle: color });
     c.fillText(words, box.left, box.top + box.height / 2);
   }
   Object.assign(c, { font: "600 15px system-ui, sans-serif", fillStyle: colour("ink") });

@@ -297,7 +297,7 @@ document.onkeydown = (event) => {
 $("play").onclick = () => setPaused(!state.paused);
 $("reset").onclick = $("again").onclick = () => motion.reset();
 $("share").onclick = share;
-$("picture").onclick = () => { drawing.drawAll(); pictureFile($("stage").firstChild, `${DATA.scenes[state.scene].title}: ${motion.name}, ${link().slice(1)}`); };
+$("picture").onclick = () => { drawing.drawAll(); pictureFile(`${DATA.scenes[state.scene].title}: ${motion.name}, ${link().slice(1)}`); };
 $("numbers").onclick = () => numbersFile(motion.newest());
 for (const button of document.querySelectorAll("[data-push]")) button.onclick = () => pushPart(button.dataset.push);
 $("speed").append(...Object.keys(SPEEDS).map((name) => make("button", { textContent: name, onclick: () => setSpeed(name) })));
