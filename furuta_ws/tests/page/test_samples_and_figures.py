@@ -91,12 +91,16 @@ def test_only_the_newest_of_waiting_jobs_runs() -> None:
 
 
 def test_exact_cycle_is_that_of_the_parameters() -> None:
-    """With the paper's defaults 0.510 rad, as `furuta limit-cycle` prints; none without a plant."""
+    """With the paper's defaults 0.510 rad, as `furuta limit-cycle` prints.
+
+    Without a plant, as on a rig, the friction is that of the observer; without both there is none.
+    """
     values: dict[str, dict[str, float]] = {"plant": {}, "controller": {}}
     loop = analysed_loop(values)
     assert loop is not None
     cycle = exact_cycle(loop)
     assert cycle is not None
     assert np.ptp(cycle[:, 1]) == pytest.approx(0.510, abs=2e-3)
+    assert analysed_loop({"controller": {}, "friction_observer": {}}) == loop
     assert analysed_loop({"estimator": {}}) is None
     assert analysed_loop(values | {"plant": {"tilt.x": 0.1}}) is None  # the plant is another one

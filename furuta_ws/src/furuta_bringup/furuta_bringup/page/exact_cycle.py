@@ -46,7 +46,7 @@ def analysed_loop(values: Values) -> IdealLoop | None:
         controller = _built(CONTROLLER, values)
         if PLANT in values:
             return ideal_loop(Loop(_built(PLANT, values).plant, controller=controller))
-        friction = _built(FRICTION_OBSERVER, values).friction
+        friction = _built(FRICTION_OBSERVER, values).observer.friction
     except (KeyError, ParameterError):
         return None
     l1, l2, l3, l4 = (-gain for gain in controller.feedback_gain)
