@@ -103,7 +103,7 @@ class Page:
         """Values by name in all tables."""
         cells = "r => [...r.cells].map(c => c.innerText)"
         rows = f"[...document.querySelectorAll('.status tr')].map({cells})"
-        return {name.strip("▸ "): value for name, value in self.page.evaluate(rows)}
+        return dict(self.page.evaluate(rows))
 
     def serious_violations(self, selector: str) -> list[str]:
         """What axe-core finds serious in the elements; skips the test where it is not installed."""

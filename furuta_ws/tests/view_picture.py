@@ -12,11 +12,11 @@ from browser import Page, open_browser
 from furuta_bringup.graph.processes import executable
 
 COMMAND = ["view", "--no-open", "--", "--lockstep"]
-ARM = "arm φ [rad]"
+ARM = "arm φ [°]"
 
 
 def newest(page: Page, part: float) -> float:
-    """Peak to peak of the arm in the newest part of the chart [rad]; NaN while it is not full."""
+    """Peak to peak of the arm in the newest part of the chart [°]; NaN while it is not full."""
     values = page.curve(ARM)
     return float(np.ptp(values[-int(len(values) * part) :])) if len(values) > 600 else np.nan
 
@@ -25,9 +25,9 @@ def show_compensation(page: Page) -> None:
     """Let LuGre compensation end the limit cycle in the middle of the charts."""
     page.close_notice()
     page.choose("speed", "real time")
-    page.wait(lambda: newest(page, 1.0) > 0.45, "the limit cycle in a full chart")
-    page.choose("compensation", "lugre")
-    page.wait(lambda: newest(page, 0.35) < 0.05, "less of it")
+    page.wait(lambda: newest(page, 1.0) > 25.0, "the limit cycle in a full chart")
+    page.choose("Compensation", "LuGre observer")
+    page.wait(lambda: newest(page, 0.35) < 3.0, "less of it")
 
 
 def main(path: str, width: str = "1280", height: str = "800") -> None:

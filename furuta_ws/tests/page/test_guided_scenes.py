@@ -1,18 +1,25 @@
-"""The guided scenes without a page: what their steps set."""
+"""The guided scenes and what-ifs without a page: what they set, and what is in sight."""
 
 import numpy as np
+import pytest
 
-from furuta.settings.nodes import NODES
+from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES, PLANT
 from furuta.settings.parameter_names import by_node
 from furuta.settings.settings import default_settings, parameters_of
 from furuta_bringup.page.guided_scenes import (
+    COMPENSATIONS,
+    IN_SIGHT,
+    WHAT_IFS,
+    entered_values,
     guided_steps,
     names_of,
+    shown_compensation,
     step_values,
     values_of,
 )
 from furuta_bringup.page.simulation_controls import has_fallen
-from furuta_model.parameters import build, values
+from furuta_friction.compensation import COMPENSATIONS as OF_NODE
+from furuta_model.parameters import ParameterError, build, values
 
 STEPS = guided_steps()
 VALUES = {node: values(group) for node, group in parameters_of(default_settings()).items()}
@@ -20,10 +27,10 @@ VALUES = {node: values(group) for node, group in parameters_of(default_settings(
 
 def test_steps_set_what_nodes_accept() -> None:
     """Every step sets every parameter that any changes, so none is left over from another one."""
-    names = names_of(STEPS)
+    names = names_of([*STEPS, *WHAT_IFS])
     before = values_of(names, VALUES)
     assert before is not None
-    for step in STEPS:
+    for step in (*STEPS, *WHAT_IFS):
         new = step_values(step, before, VALUES)
         assert sorted(new) == names
         for node, changed in by_node(new).items():
@@ -34,6 +41,34 @@ def test_no_scenes_where_a_node_is_missing() -> None:
     """On a rig there is no plant."""
     rig = {node: group for node, group in VALUES.items() if node != "plant"}
     assert values_of(names_of(STEPS), rig) is None
+
+
+def test_what_if_changes_the_plant_only() -> None:
+    """So that *as before* restores it, whatever else has been changed meanwhile."""
+    assert {name.partition(".")[0] for name in names_of(WHAT_IFS)} == {PLANT}
+    twice = step_values(
+        WHAT_IFS[0], {"plant.friction.alpha0": 0.3, "plant.friction.alpha1": 0.1}, {}
+    )
+    assert twice == {"plant.friction.alpha0": 0.6, "plant.friction.alpha1": 0.2}
+
+
+def test_names_in_sight_are_those_of_the_graph() -> None:
+    assert values_of(list(IN_SIGHT), VALUES) is not None
+    assert {*COMPENSATIONS} <= {*OF_NODE, "recommended"}
+
+
+def test_recommended_is_a_compensation_of_three_nodes() -> None:
+    """It is shown in place of what nodes have for it; another one ends its super-twisting."""
+    entered = entered_values(FRICTION_OBSERVER, "compensation", "recommended", VALUES)
+    assert entered["friction_observer.compensation"] == "lugre"
+    nodes = {node: VALUES[node] | by_node(entered).get(node, {}) for node in VALUES}
+    assert nodes[CONTROLLER]["super_twisting"] > 0.0
+    assert shown_compensation(nodes) == "recommended"
+    entered = entered_values(FRICTION_OBSERVER, "compensation", "lugre", nodes)
+    nodes = {node: nodes[node] | by_node(entered).get(node, {}) for node in nodes}
+    assert shown_compensation(nodes) == "lugre"
+    with pytest.raises(ParameterError, match="needs a simulated plant"):
+        entered_values(FRICTION_OBSERVER, "compensation", "recommended", {CONTROLLER: {}})
 
 
 def test_fall_is_where_the_controller_gives_up() -> None:

@@ -1,4 +1,4 @@
-"""A node that hangs does not hold up the arming of a rig."""
+"""Nodes that hang or are silent: what the page says, and what it does meanwhile."""
 
 import threading
 from collections.abc import Iterator
@@ -9,6 +9,8 @@ from std_srvs.srv import SetBool
 
 from furuta.settings.nodes import HARDWARE_BRIDGE
 from furuta_bringup.page.graph_link import GraphLink
+from furuta_bringup.page.live_page import LivePage
+from furuta_bringup.page.server import PageServer
 from furuta_ros.spinning import SpinningThread
 
 TIMEOUT = 120.0
@@ -43,3 +45,23 @@ def test_disarming_does_not_wait(link: GraphLink) -> None:
     hangs.set()
     spinning.close(TIMEOUT)
     bridge.destroy_node()
+
+
+def test_empty_start_says_what_is_awaited(ros: None) -> None:
+    """And how to begin it; a node that was found, but sends nothing, is named."""
+    server, silent = PageServer(), Node(HARDWARE_BRIDGE)
+    page, spinning = LivePage(server), SpinningThread([silent])
+    seen: list[str] = []
+
+    def told() -> bool:
+        seen.append(page.status)
+        return HARDWARE_BRIDGE in page.status
+
+    page.run(told)
+    assert "Waiting for a running graph" in seen[0]
+    assert "furuta run" in seen[0]
+    assert "found, but silent" in seen[-1]
+    page.close()
+    server.stop()
+    spinning.close(TIMEOUT)
+    silent.destroy_node()

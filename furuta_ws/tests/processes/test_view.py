@@ -4,6 +4,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ pytestmark = pytest.mark.timeout(900)
 SIZE = (1000, 500)
 NARROW = (400, 800)
 NODES_OF_SCENES = ("controller", "estimator", "friction_observer")
-ENCODER_COUNT = 2.0 * np.pi / 250  # [rad]
+ENCODER_COUNT = 360.0 / 250  # [°]
 
 
 @pytest.fixture(scope="module")
@@ -52,8 +53,8 @@ def children(parent: int) -> dict[int, str]:
 
 
 def arm_size(page: Page) -> float:
-    """Peak to peak of the arm in the last half of the chart [rad]; 0 while it is not full."""
-    values = page.curve("arm φ [rad]")
+    """Peak to peak of the arm in the last half of the chart [°]; 0 while it is not full."""
+    values = page.curve("arm φ [°]")
     return float(np.ptp(values[len(values) // 2 :])) if len(values) > 300 else 0.0
 
 
@@ -66,22 +67,26 @@ def parameter(furuta: Any, node: str, name: str) -> str:
 def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: Any) -> None:
     """It moves, makes the limit cycle disappear, shows a refusal, and does not hold up the graph.
 
-    A number counts when it is complete. If the page is killed, the graph runs on.
+    After a change there is no figure until it has measured anew. A number counts when it is
+    complete. If the page is killed, the graph runs on.
 
     In lock-step, so that the limit cycle does not depend on how busy the machine is.
     """
     process, address = started(processes, "--", "--lockstep")
     page = browser(address, *SIZE)
     page.close_notice()
-    before = page.wait(lambda: arm_size(page) > 0.4 and arm_size(page), "the limit cycle")
+    before = page.wait(lambda: arm_size(page) > 25.0 and arm_size(page), "the limit cycle")
+    assert page.wait(lambda: degrees(page, "arm"), "its figure") == pytest.approx(before, rel=0.03)
     pendulum = page.picture()  # all else stands still by now
     page.wait(lambda: page.picture() != pendulum, "another picture of the pendulum")
 
-    page.choose("compensation", "lugre")
+    page.choose("Compensation", "LuGre observer")
+    page.wait(lambda: "measuring" in page.figures()["arm"], "a new measurement")
     page.wait(lambda: 0.0 < arm_size(page) < before / 10.0, "a limit cycle ten times smaller")
+    page.wait(lambda: (degrees(page, "arm") or np.inf) < before / 10.0, "its figure")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
 
-    box = page.row("believed alpha0 [V]").locator("input").last
+    box = page.row("Friction the observer expects α̂₀ [V]").locator("input").last
     box.fill("150")
     reason = page.wait(lambda: page.text(".refusal").strip(), "the node's reason")
     assert "alpha0" in reason
@@ -99,15 +104,22 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     assert process.wait(60) == 0
 
 
-def size(figure: str) -> float:
-    """Peak to peak [rad] in a row of the scenes; infinite after a fall."""
-    return np.inf if figure == "fallen" else float(figure.split(maxsplit=1)[0])
+def degrees(page: Page, name: str) -> float | None:
+    """The angle in a row of a table [°]; infinite after a fall, None while it is measured."""
+    angle, degree, _ = page.figures().get(name, "").partition("°")
+    return np.inf if angle == "fallen" else float(angle) if degree else None
 
 
-def measured(page: Page, step: str) -> float:
-    """Peak to peak of the arm in a step [rad], when it is known."""
-    page.wait(lambda: page.figures().get(step, "…") != "…", f"a figure of {step}")
-    return size(page.figures()[step])
+def assert_all_in_sight(page: Page) -> None:
+    """Nothing covers a part of a scene, and none lies outside the window, of whatever size."""
+    uncovered = (
+        "[...document.querySelectorAll('.scene p, .scene td')].every(e => {"
+        "const box = e.getBoundingClientRect();"
+        "return e.contains(document.elementFromPoint(box.x + box.width / 2, box.bottom - 2)) })"
+    )
+    for width, height in ((1280, 800), SIZE, NARROW):
+        page.page.set_viewport_size({"width": width, "height": height})
+        page.wait(lambda: page.page.evaluate(uncovered), f"all in sight at {width} x {height}")
 
 
 @pytest.mark.long
@@ -118,34 +130,38 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
     """
     process, address = started(processes, "--", "--lockstep")
     page = browser(address, *NARROW)
-    page.wait(lambda: arm_size(page) > 0.4, "the limit cycle")
+    page.wait(lambda: arm_size(page) > 25.0, "the limit cycle")
     chart = page.page.locator(".uplot").first.bounding_box()
     assert chart["y"] + chart["height"] <= NARROW[1]
     before = [furuta("param", "list", node)[1] for node in NODES_OF_SCENES]
     sizes = {}
     steps = guided_steps()
-    page.choose("scene", steps[0].title)
+    page.choose("scene", steps[0].scene.name)
     for step in steps:
-        page.wait(lambda step=step: f"▸ {step.name}" in page.text(".status"), step.name)
-        sizes[step.name] = measured(page, step.name)
-        assert step.look in page.text(".scene")
-        exact = page.figures()["exact, uncompensated"]
-        if step.name in ("with friction", "feedback as it is", "faster first poles", "none"):
-            assert sizes[step.name] == pytest.approx(size(exact), rel=0.02)
+        page.wait(lambda step=step: step.look in page.text(".scene"), step.name)
+        assert step.name in page.text("[aria-current]")
+        assert "measuring" in page.figures()[step.name]
+        assert_all_in_sight(page)
+        size = sizes[step.name] = page.wait(partial(degrees, page, step.name), step.name)
+        assert ("exact cycle" in page.figures()) == step.scene.predict
+        if step.scene.predict:
+            assert degrees(page, "exact cycle") == pytest.approx(size, rel=0.02)
+        if np.isfinite(size) and not step.push:
+            assert arm_size(page) == pytest.approx(size, rel=0.03, abs=ENCODER_COUNT)
         if step.name == "push on the pendulum":
             page.wait(lambda: "has fallen" in page.text(".fallen"), "a word of the fall")
             assert page.serious_violations(".fallen, .status, .scene") == []
         elif step.push:
-            page.wait(lambda step=step: measured(page, step.name) < ENCODER_COUNT, "recovery")
+            page.wait(lambda step=step: degrees(page, step.name) < ENCODER_COUNT, "recovery")
         page.press("next")
     page.page.wait_for_selector(".scene", state="hidden")
-    assert sizes["without friction"] < 0.01
+    assert sizes["without friction"] < 0.6
     assert sizes["Coulomb"] < sizes["none"] / 10
-    assert sizes["recommended"] < sizes["LuGre"] < sizes["Coulomb"]
-    assert sizes["friction × 1.5, LuGre"] > 0.2
-    assert sizes["bristle 3 times as stiff, LuGre"] > 0.1
+    assert sizes["recommended"] < sizes["LuGre observer"] < sizes["Coulomb"]
+    assert sizes["friction × 1.5, LuGre observer"] > 11.0
+    assert sizes["stiffer bristles, LuGre observer"] > 5.0
     assert sizes["friction × 1.5, recommended"] < ENCODER_COUNT
-    assert sizes["belt of 50 Hz, recommended"] < ENCODER_COUNT
+    assert sizes["elastic belt, recommended"] < ENCODER_COUNT
     assert sizes["push on the pendulum"] == np.inf
     page.wait(
         lambda: [furuta("param", "list", node)[1] for node in NODES_OF_SCENES] == before,

@@ -10,15 +10,14 @@ import numpy as np
 import viser
 from matplotlib.ticker import MaxNLocator
 
+from furuta_bringup.page.guided_scenes import MEASURED
 from furuta_bringup.page.samples import COMMAND, ESTIMATE, FRICTION, PHI, PHI_DOT, THETA, TIME
 
-# Time on the axis [s], and time that the planes show [s].
-SECONDS = 10.0
-PLANE_SECONDS = 5.0
-HEIGHT = 148  # [pixels]
+SECONDS = 10.0  # on the axis of time
+HEIGHT = 128  # [pixels]
 # Colours of Okabe and Ito; those of one chart differ for colour-blind eyes too.
 ARM, PENDULUM, TRUE, ESTIMATED = "#0072B2", "#D55E00", "#000000", "#009E73"
-COMMANDED, GREY = "#56B4E9", "#999999"
+COMMANDED, GREY = "#56B4E9", "#BBBBBB"
 FONT = "13px system-ui, sans-serif"
 # Axes end at round numbers.
 ROUND = MaxNLocator(6, steps=[1, 2, 5, 10], symmetric=True)
@@ -33,32 +32,36 @@ class Curve(NamedTuple):
 
 
 # Where F̂ lies on F, both are seen.
-ANGLES = {PHI: Curve("arm φ [rad]", ARM), THETA: Curve("pendulum θ [rad]", PENDULUM)}
+ANGLES = {PHI: Curve("arm φ [°]", ARM), THETA: Curve("pendulum θ [°]", PENDULUM)}
 VOLTAGES = {
-    COMMAND: Curve("u [V]", COMMANDED, 1.5),
+    COMMAND: Curve("voltage u [V]", COMMANDED, 1.5),
     FRICTION: Curve("friction F [V]", TRUE, 3.5),
     ESTIMATE: Curve("estimate F̂ [V]", ESTIMATED, 1.5),
 }
-FRICTIONS = {FRICTION: Curve("true F", TRUE, 4.0), ESTIMATE: Curve("F̂", ESTIMATED, 1.5)}
-PHASES = (Curve("exact cycle", GREY, 4.0), Curve("now", ARM))
+FRICTIONS = {
+    FRICTION: Curve("friction F", TRUE, 4.0),
+    ESTIMATE: Curve("estimate F̂", ESTIMATED, 1.5),
+}
+PHASES = (Curve("exact cycle without compensation", GREY, 7.0), Curve("arm", ARM))
 
 
 class Chart:
     """Curves over one quantity; the vertical axis is symmetric about 0.
 
-    ``names`` are those of the axes, and ``least`` is how far the axes reach at least. The
-    horizontal one is symmetric too, or the time before now if it has no least reach.
+    ``names`` are the title and those of the axes, and ``least`` is how far these reach at least.
+    The horizontal one is symmetric too, or the time before now if it has no least reach.
     """
 
     def __init__(
-        self, gui: Any, names: tuple[str, str], least: tuple[float, float], curves: Any
+        self, gui: Any, names: tuple[str, str, str], least: tuple[float, float], curves: Any
     ) -> None:
         self._least, self._reaches = least, least
         self._handle = gui.add_uplot(
-            data=tuple(np.zeros(2) for _ in range(1 + len(curves))),
-            series=({"label": names[0]}, *map(_series, curves)),
+            title=names[0],
+            data=(np.zeros(2), *(np.full(2, np.nan) for _ in curves)),
+            series=({"label": names[1]}, *map(_series, curves)),
             scales=_scales(least),
-            axes=tuple(_axis(*about) for about in zip(names, (30, 48), strict=True)),
+            axes=(_axis(names[1], 22, 50), _axis(names[2], 42, 24)),
             legend={"show": True, "live": False},
             cursor={"show": not least[0]},  # it looks for ascending values, such as times
             height=HEIGHT,
@@ -96,8 +99,10 @@ def _reach(least: float, series: list[np.ndarray]) -> float:
     return float(ROUND.tick_values(-largest, largest)[-1])
 
 
-def _axis(label: str, size: int) -> dict[str, Any]:
-    return {"label": label, "font": FONT, "labelFont": FONT, "labelSize": 20, "size": size}
+def _axis(label: str, size: int, space: int) -> dict[str, Any]:
+    """An axis whose numbers take ``size`` and are at least ``space`` apart [pixels]."""
+    about = {"label": label, "font": FONT, "labelFont": FONT, "labelSize": 18, "size": size}
+    return about | {"ticks": {"size": 4}, "gap": 3, "space": space}
 
 
 class Charts:
@@ -105,12 +110,15 @@ class Charts:
 
     def __init__(self, server: viser.ViserServer) -> None:
         gui = server.gui
-        time = "time before now [s]"
-        speed, phi = "arm speed [rad/s]", "arm angle φ [rad]"
-        self._angles = Chart(gui, (time, "angle [rad]"), (0.0, 0.3), ANGLES.values())
-        self._voltages = Chart(gui, (time, "voltage [V]"), (0.0, 0.5), VOLTAGES.values())
-        self._friction = Chart(gui, (speed, "friction [V]"), (0.6, 0.3), FRICTIONS.values())
-        self._phase = Chart(gui, (phi, "speed [rad/s]"), (0.3, 0.6), PHASES)
+        time, volts, speed = "time before now [s]", "voltage [V]", "speed [rad/s]"
+        about = ("angles over time", time, "angle [°]")
+        self._angles = Chart(gui, about, (0.0, 20.0), ANGLES.values())
+        about = ("voltages over time", time, volts)
+        self._voltages = Chart(gui, about, (0.0, 0.5), VOLTAGES.values())
+        about = ("friction over speed", f"arm {speed}", "friction [V]")
+        self._friction = Chart(gui, about, (0.6, 0.3), FRICTIONS.values())
+        about = ("speed over angle", "arm angle φ [°]", speed)
+        self._phase = Chart(gui, about, (20.0, 0.6), PHASES)
         self.cycle: np.ndarray | None = None
 
     def draw(self, samples: np.ndarray) -> None:
@@ -118,9 +126,9 @@ class Charts:
         if len(samples) < 2:
             return
         time = samples[:, TIME] - samples[-1, TIME]
-        self._angles.draw(time, [samples[:, column] for column in ANGLES])
+        self._angles.draw(time, [np.degrees(samples[:, column]) for column in ANGLES])
         self._voltages.draw(time, [samples[:, column] for column in VOLTAGES])
-        newest = samples[time > -PLANE_SECONDS]
+        newest = samples[time > -MEASURED.window]
         self._friction.draw(newest[:, PHI_DOT], [newest[:, column] for column in FRICTIONS])
         self._draw_phase(newest)
 
@@ -129,7 +137,8 @@ class Charts:
         phi, speed = cycle[:, 1] - _middle(cycle[:, 1]), cycle[:, 2]
         exact = np.concatenate([speed, np.full(len(samples), np.nan)])
         now = np.concatenate([np.full(len(speed), np.nan), samples[:, PHI_DOT]])
-        self._phase.draw(np.concatenate([phi, samples[:, PHI]]), [exact, now])
+        angles = np.degrees(np.concatenate([phi, samples[:, PHI]]))
+        self._phase.draw(angles, [exact, now])
 
 
 def _middle(values: np.ndarray) -> float:

@@ -63,17 +63,17 @@ def exact_cycle(loop: IdealLoop) -> np.ndarray | None:
     return None
 
 
-def cycle_size(cycle: np.ndarray | None) -> tuple[float, float] | None:
-    """The arm's peak to peak [rad] and the period [s] of :func:`exact_cycle`."""
-    return None if cycle is None else (float(np.ptp(cycle[:, 1])), float(np.ptp(cycle[:, 0])))
+def cycle_size(cycle: np.ndarray | None) -> float | None:
+    """The arm's peak to peak [rad] of :func:`exact_cycle`."""
+    return None if cycle is None else float(np.ptp(cycle[:, 1]))
 
 
-def predicted_size(loop: IdealLoop) -> tuple[float, float] | None:
+def predicted_size(loop: IdealLoop) -> float | None:
     """The same as the describing function predicts it; None if it predicts no stable cycle."""
     with suppress(ParameterError):
         cycles = predict_cycles(transfer(loop.body, loop.gains), loop.law).cycles
         stable = [cycle for cycle in cycles if cycle.stable]
-        return (stable[-1].phi_peak_to_peak_rad, stable[-1].period_s) if stable else None
+        return stable[-1].phi_peak_to_peak_rad if stable else None
     return None
 
 

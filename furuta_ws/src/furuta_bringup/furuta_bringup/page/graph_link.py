@@ -4,12 +4,14 @@ A node that hangs holds up the calls behind it. So the search for nodes, what th
 arming and the pace have a thread each: *Disarm* never waits for another node.
 """
 
+from collections.abc import Mapping
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
 
 from furuta.settings.nodes import PLANT
+from furuta.settings.parameter_names import by_node
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceCaller
 from furuta_bringup.graph.system_client import BridgeClient, reset_plant
@@ -74,6 +76,11 @@ class GraphLink:
             _described(name, values[name], about)._replace(node=node)
             for name, about in zip(names, descriptors, strict=True)
         ]
+
+    def set_values(self, values: Mapping[str, Any], last_first: bool = False) -> None:
+        """Set parameters by full name, node by node in the order of their names."""
+        for node, own in sorted(by_node(values).items(), reverse=last_first):
+            self.parameters.set_all(node, own)
 
     def reset(self) -> None:
         """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""

@@ -1,64 +1,68 @@
-"""The folder of the guided scenes: a scene to choose, its text, and what was measured in it."""
+"""The guided scenes and the what-ifs: buttons, a scene's text, and what its steps have measured."""
 
 from collections.abc import Callable
 from functools import partial
 from html import escape
-from math import isfinite
 from typing import Any
 
 import numpy as np
 
-from furuta.settings.parameter_names import by_node
-from furuta_bringup.page.exact_cycle import Values, encoder_counts
-from furuta_bringup.page.figures import figures
+from furuta_bringup.page.exact_cycle import Values
+from furuta_bringup.page.figures import Elapsed, figures, measuring, swing
 from furuta_bringup.page.graph_link import GraphLink
 from furuta_bringup.page.guided_scenes import (
+    MEASURED,
+    WHAT_IFS,
+    Step,
     guided_steps,
     names_of,
     step_values,
     values_of,
 )
-from furuta_bringup.page.page_layout import Note, status_html
+from furuta_bringup.page.page_layout import Note, table_html
 from furuta_bringup.page.samples import TIME
 
 FREE = "free play"
-BACK, NEXT = "back", "next"
+BACK, NEXT, AS_BEFORE = "back", "next", "as before"
 HINT = "five guided scenes; free play restores the parameters that they change"
-# Time after which a step pushes, and after which it is measured [s]: a transient, and what the
-# figures measure.
-PUSH_AFTER, SETTLED = 3.0, 8.0
-MEASURED = "arm peak to peak, period"
+COLUMN = '<div style="margin-top:4px;text-align:right;color:#475569">arm, peak to peak</div>'
+COMPUTING = "computing …"
+LOOK = "3px solid #0072B2"
 
 
 class Guide:
     """Leads through the scenes; in free play the parameters are as they were before.
 
-    ``position`` is that of the step, None in free play. ``values`` gives the parameters of the
-    nodes, and ``pace`` sets whether time is real. Where a node or parameter is missing, as on a
-    rig, there are no scenes.
+    ``position`` is that of the step, None in free play, and ``elapsed`` the time since it began or
+    something changed. ``values`` gives the parameters of the nodes, and ``pace`` sets whether time
+    is real. Where a node or parameter is missing, as on a rig, there are no scenes.
     """
 
     def __init__(
-        self, gui: Any, link: GraphLink, values: Callable[[], Values], pace: Callable[[bool], None]
+        self,
+        gui: Any,
+        link: GraphLink,
+        values: Callable[[], Values],
+        pace: Callable[[bool], None],
+        what_if: "WhatIf",
     ) -> None:
-        self._link, self._values, self._pace = link, values, pace
+        self._link, self._values, self._pace, self._what_if = link, values, pace, what_if
         self._steps = guided_steps()
-        self._names = names_of(self._steps)
-        self._titles = [step.title for step in self._steps]
+        self._names = names_of([*self._steps, *WHAT_IFS])
+        self._scenes = [step.scene for step in self._steps]
         self.position: int | None = None
+        self.elapsed = Elapsed()
         self._before: dict[str, Any] | None = None
-        self._since: float | None = None
         self._fallen = False
         self._measured: dict[int, str] = {}
+        self._predicted: list[tuple[str, str]] = []
         self._pushes: dict[str, float] = {}
         self._folder = gui.add_folder(None, order=1.0, visible=False)
         with self._folder:
-            self._choice = gui.add_dropdown(
-                "scene", [FREE, *dict.fromkeys(self._titles)], hint=HINT
-            )
+            names = dict.fromkeys(scene.name for scene in self._scenes)
+            self._choice = gui.add_dropdown("scene", [FREE, *names], hint=HINT)
             self._buttons = gui.add_button_group("step", (BACK, NEXT, FREE), visible=False)
-            self._text = gui.add_html("", visible=False)
-            self._table = gui.add_html("", visible=False)
+            self._shown = gui.add_html("", visible=False)
             self._note = Note(gui, 9.0)
         self._choice.on_update(self._chosen)
         self._buttons.on_click(lambda event: self._pressed(event.target.value))
@@ -71,42 +75,51 @@ class Guide:
     def update(self, samples: np.ndarray, fallen: bool, predicted: list[tuple[str, str]]) -> None:
         """Measure the newest samples (n, 8); ``predicted`` are rows of names and values."""
         self._fallen = self._fallen or fallen  # one that swings may pass upright just now
-        position = self.position
+        self._predicted = predicted
         self._folder.visible = values_of(self._names, self._values()) is not None
-        if position is None or self._link.requests.pending("scene"):
-            return
-        time = float(samples[-1, TIME])
-        if self._since is None or time < self._since:
-            self._since = time
-        passed = time - self._since
-        if passed > PUSH_AFTER:
+        if self.position is not None and not self._link.requests.pending("scene"):
+            self._show(self._measure(self.position, samples, fallen))
+
+    def _measure(self, position: int, samples: np.ndarray, fallen: bool) -> str:
+        """Keep what the step has measured; how long it takes until it has."""
+        passed = self.elapsed.passed(samples[:, TIME])
+        if passed > MEASURED.push_after:
             self._push()
+        self._measured.pop(position, None)
         if fallen:
+            self.elapsed.restart()  # what is measured after a fall begins when it has ended
             self._measured[position] = "fallen"
-        elif passed > SETTLED:
-            motion = figures(samples, encoder_counts(self._values()))
-            self._measured[position] = motion_text(motion.phi_peak_to_peak, motion.period)
-        self._table.content = status_html(MEASURED, [*self._rows(position), *predicted])
+        elif wait := measuring(passed, MEASURED.settled):
+            return wait
+        else:
+            self._measured[position] = swing(figures(samples, 0).phi_peak_to_peak)
+        return ""
 
-    def _rows(self, position: int) -> list[tuple[str, str]]:
-        """Name and measurement of each step of the scene."""
-        return [
-            (f"▸ {step.name}" if place == position else step.name, self._measured.get(place, "…"))
-            for place, step in enumerate(self._steps)
-            if step.title == self._titles[position]
-        ]
-
-    def _place(self, position: int) -> str:
-        """Which step of its scene this is, and its name."""
-        title, name = self._steps[position].title, self._steps[position].name
-        before = self._titles.index(title)
-        return f"Step {position - before + 1} of {self._titles.count(title)}, {name}"
+    def _show(self, wait: str) -> None:
+        """The text of the scene, its steps and what they have measured."""
+        if self.position is None:
+            return
+        step = self._steps[self.position]
+        here = [place for place, scene in enumerate(self._scenes) if scene == step.scene]
+        running = here.index(self.position)
+        rows = [(self._steps[place].name, self._measured.get(place, "")) for place in here]
+        rows[running] = step.name, wait or rows[running][1]
+        predicted = self._predicted if step.scene.predict else []
+        self._shown.content = (
+            '<div class="scene" style="padding:0 10px 4px;font-size:13px;line-height:1.35">'
+            f'<b style="font-size:15px">{escape(step.scene.title)}</b>'
+            f'<p style="margin:0">{escape(step.scene.text)}</p>'
+            f"{table_html(COLUMN, [*rows, *predicted], running)}"
+            f'<p role="status" style="margin:4px 0;padding-left:7px;border-left:{LOOK}">'
+            f"<b>{escape(step.name)}.</b> {escape(step.look)}</p></div>"
+        )
 
     def _chosen(self, event: Any) -> None:
         """Begin the scene that a user has chosen."""
         if event.client is not None:
-            title = self._choice.value
-            self._go(self._titles.index(title) if title in self._titles else None)
+            names = [scene.name for scene in self._scenes]
+            chosen = self._choice.value
+            self._go(names.index(chosen) if chosen in names else None)
 
     def _pressed(self, button: str) -> None:
         """One step further or back; after the last one comes free play."""
@@ -115,22 +128,14 @@ class Guide:
         self._go(position if position in steps else None)
 
     def _go(self, position: int | None) -> None:
-        self.position = position
-        for handle in (self._text, self._buttons, self._table):
+        self.position, self._pushes = position, {}
+        for handle in (self._buttons, self._shown):
             handle.visible = position is not None
-        if position is None:
-            self._choice.value = FREE
-        else:
-            step = self._steps[position]
+        self._choice.value = FREE if position is None else self._scenes[position].name
+        if position is not None:
             self._measured.pop(position, None)
-            self._pushes = {}
-            self._choice.value = step.title
-            self._text.content = (
-                '<div class="scene" role="status" style="padding:0 10px 2px;font-size:13px;'
-                f'line-height:1.3">{escape(step.text)}<br><b>{escape(self._place(position))}.</b> '
-                f"{escape(step.look)}</div>"
-            )
-            self._table.content = status_html(MEASURED, self._rows(position))
+        self._predicted = [(name, COMPUTING) for name, _ in self._predicted]
+        self._show(measuring(0.0, MEASURED.settled))
         self._note.tell("")
         self._link.requests.submit("scene", self._apply, self._note.fail)
 
@@ -138,19 +143,20 @@ class Guide:
         """Set the parameters of the step, or those that were before the scenes. Called in a job."""
         position = self.position
         self._link.end_push()
+        changed = self._what_if.forget()
         if self._before is None:
-            self._before = values_of(self._names, self._values())
+            found = values_of(self._names, self._values())
+            assert found is not None  # the folder is hidden otherwise
+            self._before = found | changed
             self._pace(True)
-        assert self._before is not None  # the folder is hidden otherwise
         step = None if position is None else self._steps[position]
         new = self._before if step is None else step_values(step, self._before, self._values())
         # The controller's modes depend on the estimator: set it after that, and restore it before.
-        for node, values in sorted(by_node(new).items(), reverse=step is not None):
-            self._link.parameters.set_all(node, values)
-        self._since = None
+        self._link.set_values(new, last_first=step is not None)
         if self._fallen:
             self._link.reset()
             self._fallen = False
+        self.elapsed.restart()
         if step is None:
             self._before = None
             self._pace(False)
@@ -163,6 +169,35 @@ class Guide:
             self._link.requests.submit("push", partial(self._link.push, *push), self._note.fail)
 
 
-def motion_text(peak_to_peak: float, period: float) -> str:
-    """Size [rad] and, where there is one, period [s] of a motion."""
-    return f"{peak_to_peak:.3f} rad" + (f", {period:.2f} s" if isfinite(period) else "")
+class WhatIf:
+    """Buttons that change the plant; the last one restores what was before the first press."""
+
+    def __init__(self, gui: Any, link: GraphLink, values: Callable[[], Values]) -> None:
+        self._link, self._values = link, values
+        self._names = names_of(WHAT_IFS)
+        self._before: dict[str, Any] = {}
+        self._steps = {step.name: step for step in (*WHAT_IFS, Step(AS_BEFORE))}
+        self._buttons = gui.add_button_group(
+            "What if …", list(self._steps), visible=False, order=-1.0
+        )
+        self._note = Note(gui, -0.5)
+        self._buttons.on_click(self._pressed)
+
+    def update(self) -> None:
+        """Show the buttons where the plant has what they change."""
+        self._buttons.visible = values_of(self._names, self._values()) is not None
+
+    def forget(self) -> dict[str, Any]:
+        """Values by full name before the first press, once."""
+        before, self._before = self._before, {}
+        return before
+
+    def _pressed(self, event: Any) -> None:
+        self._note.tell("")
+        work = partial(self._apply, self._steps[event.target.value])
+        self._link.requests.submit("what if", work, self._note.fail)
+
+    def _apply(self, step: Step) -> None:
+        before = self._before or values_of(self._names, self._values()) or {}
+        self._link.set_values(step_values(step, before, self._values()))
+        self._before = {} if step.name == AS_BEFORE else before

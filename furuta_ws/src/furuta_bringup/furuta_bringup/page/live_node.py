@@ -39,7 +39,7 @@ from furuta_ros.topics import (
 
 # Messages that wait between two collections; in fast lock-step the older ones are dropped. But no
 # change of a parameter is lost.
-NEWEST_QOS = QoSProfile(depth=256, reliability=QoSReliabilityPolicy.BEST_EFFORT)
+NEWEST_QOS = QoSProfile(depth=1000, reliability=QoSReliabilityPolicy.BEST_EFFORT)
 EVENTS_QOS = QoSProfile(depth=1000, reliability=QoSReliabilityPolicy.RELIABLE)
 # Samples kept per second of the loop's time, and for how long [s].
 RATE = 100

@@ -12,6 +12,7 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_bringup.page.charts import SECONDS, Charts
 from furuta_bringup.page.exact_cycle import (
+    Values,
     analysed_loop,
     cycle_size,
     encoder_counts,
@@ -19,11 +20,19 @@ from furuta_bringup.page.exact_cycle import (
     model_of,
     predicted_size,
 )
-from furuta_bringup.page.figures import figures, late_samples
+from furuta_bringup.page.figures import (
+    Elapsed,
+    Figures,
+    figures,
+    late_samples,
+    measuring,
+    swing,
+)
 from furuta_bringup.page.graph_link import END_TIMEOUT, GraphLink
-from furuta_bringup.page.guide import Guide, motion_text
+from furuta_bringup.page.guide import COMPUTING, Guide, WhatIf
+from furuta_bringup.page.guided_scenes import MEASURED
 from furuta_bringup.page.live_node import LiveNode
-from furuta_bringup.page.page_layout import ALARM, Layout, Note, status_html
+from furuta_bringup.page.page_layout import ALARM, WAITING, Layout, Note, status_html
 from furuta_bringup.page.parameters_on_page import ParametersOnPage
 from furuta_bringup.page.rig_controls import RigControls
 from furuta_bringup.page.samples import THETA, TIME
@@ -40,10 +49,14 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.context import ros_context, tell_graph
 from furuta_ros.process_end import StopSignal, bounded_end
 
-# Time between two drawings [s]; every how many of them the charts are drawn, the status is updated,
-# and nodes are searched for.
+# Time between two drawings [s]; every how many of them charts and figures are drawn, of the same
+# samples, and nodes are searched for.
 PERIOD = 1.0 / 30.0
-CHARTS_EVERY, STATUS_EVERY, SEARCH_EVERY = 3, 15, 30
+CHARTS_EVERY, SEARCH_EVERY = 3, 30
+# Names of predictions, of which the describing function comes first.
+DESCRIBING_FUNCTION, EXACT_CYCLE = "describing function", "exact cycle"
+# Parameters that set how far the plant runs, and which push it.
+PACE, PUSH = "run_until", "pushes."
 
 
 def run_page(server: PageServer, namespace: str, opens: bool) -> None:
@@ -75,11 +88,13 @@ class LivePage:
             self._simulation = SimulationControls(server, self._link, note)
         self._fall = FallNotice(gui, self._simulation.reset)
         self._warning = Note(gui, 0.5, "warning")
-        self._guide = Guide(
-            gui, self._link, lambda: self._parameters.values, self._simulation.run_in_real_time
-        )
+        self._elapsed = Elapsed()
+        with self._layout.main:
+            self._what_if = WhatIf(gui, self._link, self._values)
+        pace = self._simulation.run_in_real_time
+        self._guide = Guide(gui, self._link, self._values, pace, self._what_if)
         self._parameters = ParametersOnPage(
-            gui, self._link, self._layout.main, self._layout.parameters
+            gui, self._link, self._layout.main, self._layout.parameters, self._changed
         )
         self._node = LiveNode(self._parameters.received)
         with self._layout.charts:
@@ -88,7 +103,7 @@ class LivePage:
         self._rig: RigControls | None = None
         self._drawn_model: FurutaPendulum | None = None
         self._analysed: IdealLoop | None = None
-        self._predicted: list[tuple[str, str]] = []
+        self._predicted = dict.fromkeys((DESCRIBING_FUNCTION, EXACT_CYCLE), COMPUTING)
         self._start = 0.0
 
     def run(self, stop: Callable[[], bool]) -> None:
@@ -111,8 +126,25 @@ class LivePage:
         self._link.close()
 
     @property
+    def status(self) -> str:
+        """What the top of the page says, in HTML."""
+        return str(self._layout.status.content)
+
+    @property
     def _lockstep(self) -> bool:
         return bool(self._parameters.values.get(PLANT, {}).get("clock") == "lockstep")
+
+    def _values(self) -> Values:
+        return self._parameters.values
+
+    def _changed(self, names: set[str]) -> None:
+        """Figures and cycle are those of parameters before: take them away."""
+        if names <= {PACE}:
+            return
+        self._elapsed.restart()
+        if not all(name.startswith(PUSH) for name in names):  # such as the push of a step
+            self._guide.elapsed.restart()
+        self._update_model()
 
     def _draw(self, number: int) -> None:
         self._node.collect()
@@ -122,35 +154,43 @@ class LivePage:
             self._node.choose_topics()
             self._link.search.submit("search", self._parameters.find_nodes)
         self._pace(time or 0.0)  # a plant that was left paused, and sends nothing, continues
-        if time is not None and self._server.get_clients():
+        shown = time is not None and bool(self._server.get_clients())
+        if shown:
             self._scene.move(newest[-1])
-            if number % CHARTS_EVERY == 0:
+        if number % CHARTS_EVERY == 0:
+            if shown:
                 self._charts.draw(newest)
-        if number % STATUS_EVERY == 0:
             self._update_model()
             self._update_rig()
             self._update_status(newest, time)
 
     def _update_status(self, newest: np.ndarray, time: float | None) -> None:
         if time is None:
-            self._layout.status.content = status_html("waiting for a running graph", [])
+            found = ", ".join(self._parameters.running)
+            rows = [("found, but silent", found)] if found else []
+            self._layout.status.content = status_html(WAITING, rows)
             return
         values = self._parameters.values
-        rows = figures(newest, encoder_counts(values)).rows()
-        if self._guide.position is not None:  # whose table has them
-            rows = []
+        rows = []
+        if self._guide.position is None:  # its table has them otherwise
+            wait = measuring(self._elapsed.passed(newest[:, TIME]), MEASURED.window)
+            known = Figures() if wait else figures(newest, encoder_counts(values))
+            rows = known.rows(wait)
         if self._parameters.silent:
             rows.append(("does not answer, is asked again", ", ".join(self._parameters.silent)))
         self._warning.tell("; ".join(self._node.warnings.values()), ALARM)
         fallen = has_fallen(float(newest[-1, THETA]), values)
         self._fall.show(fallen, values)
-        self._guide.update(newest, fallen, self._predicted)
+        self._guide.update(newest, fallen, list(self._predicted.items()))
+        self._what_if.update()
         if self._lockstep:
             title = "lock-step"
         else:
             title = "rig" if self._rig else "simulated"
             rows.append(("late samples", late_samples(self._node.timing, self._node.status)))
-        self._layout.status.content = status_html(f"{title}, t = {self._seconds(time):.1f} s", rows)
+        self._layout.status.content = status_html(
+            f"<b>{title}, t = {self._seconds(time):.1f} s</b>", rows
+        )
 
     def _seconds(self, time: float) -> float:
         """Time since the start [s]; in real time since the first sample on the page."""
@@ -191,15 +231,19 @@ class LivePage:
             self._drawn_model = model
         loop = analysed_loop(values)
         if loop != self._analysed:
-            self._analysed = loop
+            self._analysed, self._charts.cycle = loop, None
+            self._predicted = dict.fromkeys(self._predicted, COMPUTING)
             self._link.computation.submit("cycle", partial(self._compute_cycle, loop))
 
     def _compute_cycle(self, loop: IdealLoop | None) -> None:
-        cycle = self._charts.cycle = exact_cycle(loop) if loop else None
-        found = {
-            "exact, uncompensated": cycle_size(cycle),
-            "describing function": predicted_size(loop) if loop else None,
+        cycle = exact_cycle(loop) if loop else None
+        predicted = {
+            DESCRIBING_FUNCTION: predicted_size(loop) if loop else None,
+            EXACT_CYCLE: cycle_size(cycle),
         }
-        self._predicted = [
-            (name, motion_text(*size) if size else "no cycle") for name, size in found.items()
-        ]
+        if loop is self._analysed:  # and not changed meanwhile
+            self._charts.cycle = cycle
+            self._predicted = {
+                name: "no cycle" if size is None else swing(size)
+                for name, size in predicted.items()
+            }

@@ -11,6 +11,19 @@ import viser
 CHARTS_WIDTH, CONTROLS_WIDTH = 440, 360  # [pixels]
 BRAND = (0, 60, 110)  # dark enough for white letters on the buttons that viser makes of it
 ALARM, INK = "#b91c1c", "#334155"
+RUNNING = 'aria-current="step" style="background:#e0eefa;font-weight:600"'
+WAITING = (
+    "<b>Waiting for a running graph.</b> Start one with <code>furuta run</code>, or open this page "
+    "with <code>furuta view</code>, which starts one."
+)
+# viser's labels are 7 letters wide, its panels of one height, and it leaves part of a phone unused.
+STYLE = """<style>
+div:has(> p > label) { width: 42% !important }
+[data-dock-scroll] > div:has(.scene) { min-height: min(400px, 100% - 60px) !important }
+.uplot .u-title { padding: 0; font-weight: 600 }
+.uplot .u-legend { font-size: 12px }
+@media (max-width: 576px) { [style*="width: 20em"] { width: 100vw !important } }
+</style>"""
 
 
 class Layout:
@@ -22,12 +35,13 @@ class Layout:
         gui.set_panel_label("Furuta pendulum")
         gui.main_panel.dock_right()
         gui.main_panel.set_width(CONTROLS_WIDTH)
+        gui.add_html(STYLE, order=9.0)
         charts = gui.add_panel(order=2.0)
         self.charts = charts.add_tab("Charts")
         charts.dock_left()
         charts.set_width(CHARTS_WIDTH)
         charts.expand()  # a narrow page shows panels below each other, collapsed otherwise
-        self.status = gui.add_html(status_html("waiting for a running graph", []), order=0.0)
+        self.status = gui.add_html(status_html(WAITING, []), order=0.0)
         controls = gui.add_panel(order=1.0)
         controls.dock_below(gui.main_panel)
         with controls.add_tab("Controls"):
@@ -37,17 +51,23 @@ class Layout:
 
 
 def status_html(title: str, rows: list[tuple[str, str]]) -> str:
-    """A title and a table of figures."""
+    """A title, in HTML, and a table of figures."""
+    return f'<div style="padding:0 10px;font-size:13px">{table_html(title, rows)}</div>'
+
+
+def table_html(title: str, rows: list[tuple[str, str]], running: int = -1) -> str:
+    """Names and values under a title in HTML; that of the row which is ``running`` stands out."""
     cells = "".join(
-        f'<tr><td style="color:#475569;padding:0">{escape(name)}</td>'
-        '<td style="text-align:right;font-weight:600;white-space:nowrap;padding:0">'
+        f'<tr {RUNNING if number == running else ""}><td style="padding:0 2px">'
+        f"{escape(name)}</td>"
+        '<td style="text-align:right;font-weight:600;white-space:nowrap;padding:0 2px">'
         f"{escape(value)}</td></tr>"
-        for name, value in rows
+        for number, (name, value) in enumerate(rows)
     )
     return (
-        f'<div class="status" style="padding:0 10px;font-size:13px"><b>{escape(title)}</b>'
-        f'<table style="width:100%;font-size:13px;line-height:1.3;'
-        f'font-variant-numeric:tabular-nums">{cells}</table></div>'
+        f'<div class="status">{title}<table style="width:100%;font-size:13px;'
+        f'line-height:1.4;border-collapse:collapse;font-variant-numeric:tabular-nums">{cells}'
+        "</table></div>"
     )
 
 

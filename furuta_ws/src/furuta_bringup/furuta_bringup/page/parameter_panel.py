@@ -4,7 +4,7 @@ The page knows of a parameter only what the parameter services of its node tell.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from furuta_model.parameters import ParameterError, number_from_text
 from furuta_ros.yaml_files import parse_yaml
 
 CHOICES = "one of "
+SLASH = "\N{DIVISION SLASH}"
 # A range of at most this many times the value is a slider's range as it is.
 WHOLE_RANGE = 20.0
 # Otherwise the slider reaches so many times the value.
@@ -26,7 +27,8 @@ Enter = Callable[[Any], None]
 class Described(NamedTuple):
     """A parameter: name, value, meaning with unit, range and choices where there are any.
 
-    ``title`` is shown instead of the last part of its name, with the ``node`` before the name.
+    ``title`` is shown instead of the last part of its name, with the ``node`` before the name, and
+    ``words`` instead of its choices.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Described(NamedTuple):
     read_only: bool = False
     node: str = ""
     title: str = ""
+    words: Mapping[str, str] = {}
 
     @property
     def choices(self) -> tuple[str, ...]:
@@ -45,7 +48,17 @@ class Described(NamedTuple):
         if not isinstance(self.value, str) or not self.constraints.startswith(CHOICES):
             return ()
         words = self.constraints.removeprefix(CHOICES).split(", ")
-        return tuple(dict.fromkeys([*(word for word in words if " " not in word), self.value]))
+        listed = (word for word in words if " " not in word)
+        return tuple(dict.fromkeys([*self.words, *listed, self.value]))
+
+    @property
+    def shown(self) -> Any:
+        """The value as its control shows it."""
+        return self.words.get(self.value, self.value) if self.words else self.value
+
+    def meant(self, shown: Any) -> Any:
+        """The value of which a control shows this."""
+        return next((value for value, word in self.words.items() if word == shown), shown)
 
     @property
     def unit(self) -> str:
@@ -56,7 +69,8 @@ class Described(NamedTuple):
     @property
     def label(self) -> str:
         """Title or short name, and unit."""
-        return (self.title or self.name.rpartition(".")[2]) + self.unit
+        # Lines break after a slash, and a unit must not.
+        return (self.title or self.name.rpartition(".")[2]) + self.unit.replace("/", SLASH)
 
     @property
     def hint(self) -> str:
@@ -134,9 +148,8 @@ class Control:
         about: dict[str, Any] = {"hint": it.hint, "disabled": it.read_only}
         handle: Any
         if it.choices and not it.read_only:
-            handle = gui.add_dropdown(
-                it.label, it.choices, initial_value=it.value, **about, order=order
-            )
+            words = [it.words.get(choice, choice) for choice in it.choices]
+            handle = gui.add_dropdown(it.label, words, initial_value=it.shown, **about, order=order)
         elif isinstance(it.value, bool):
             handle = gui.add_checkbox(it.label, it.value, **about, order=order)
         elif self._is_slider:
@@ -167,7 +180,7 @@ class Control:
         """Pass on what a user has chosen, not what :meth:`_show` has."""
         if event.client is not None:
             self._known = self._handle.value
-            self._enter(self._known)
+            self._enter(self.described.meant(self._known))
 
     def _show(self) -> None:
         it = self.described
@@ -177,7 +190,7 @@ class Control:
         if self._is_slider:  # a value that was typed may lie beyond its ends
             self._handle.max = max(self._handle.max, it.value)
             self._handle.min = min(self._handle.min, it.value)
-        self._known = it.text if is_text else it.value
+        self._known = it.text if is_text else it.shown
         if self._handle.value != self._known:
             self._handle.value = self._known
 

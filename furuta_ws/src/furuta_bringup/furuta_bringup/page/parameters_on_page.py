@@ -1,6 +1,7 @@
 """Keeps the parameters on the page the same as those of the nodes, in both directions."""
 
 import contextlib
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -9,30 +10,41 @@ from rclpy.parameter import parameter_value_to_python
 
 from furuta_bringup.graph.services import ServiceError
 from furuta_bringup.page.graph_link import GraphLink
-from furuta_bringup.page.parameter_panel import Control, NodeFolder
+from furuta_bringup.page.guided_scenes import (
+    COMPENSATIONS,
+    IN_SIGHT,
+    entered_values,
+    shown_compensation,
+)
+from furuta_bringup.page.parameter_panel import Control, Described, NodeFolder
 from furuta_ros.parameter_files import is_of_ros
 
-# The parameters that come first on the page, if their nodes run, and what they are called there.
-MAIN = {
-    ("friction_observer", "compensation"): "compensation",
-    ("friction_observer", "alpha0"): "believed alpha0",
-    ("plant", "friction.alpha0"): "true alpha0",
-    ("controller", "strength"): "strength",
-    ("controller", "enabled"): "controller enabled",
-}
+# The parameters that tell which compensation is in force.
+COMPENSATION, SUPER_TWISTING = (
+    ("friction_observer", "compensation"),
+    ("controller", "super_twisting"),
+)
 # The order of the folders; a node with another name comes after these.
 ORDER = ("friction_observer", "controller", "estimator", "plant", "hardware_bridge")
 
 
 class ParametersOnPage:
-    """Folders for the nodes that run, and the main parameters before them.
+    """Folders for the nodes that run, and the parameters in sight before them.
 
-    ``running`` names the nodes that were found, ``silent`` those of them that have not described
-    their parameters, and ``values`` holds the parameters of the others.
+    ``changed`` is called with the names of parameters that a node has changed. ``running`` names
+    the nodes that were found, ``silent`` those of them that have not described their parameters,
+    and ``values`` holds the parameters of the others.
     """
 
-    def __init__(self, gui: Any, link: GraphLink, main: Any, folders: Any) -> None:
-        self._gui, self._link = gui, link
+    def __init__(
+        self,
+        gui: Any,
+        link: GraphLink,
+        main: Any,
+        folders: Any,
+        changed: Callable[[set[str]], None],
+    ) -> None:
+        self._gui, self._link, self._changed = gui, link, changed
         self._main, self._place = main, folders
         self._folders: dict[str, NodeFolder] = {}
         self._first: dict[tuple[str, str], Control] = {}
@@ -67,15 +79,23 @@ class ParametersOnPage:
         deleted = {old.name for old in event.deleted_parameters}
         if declared - set(known) or deleted & set(known):
             self._link.search.submit(("describe", node), partial(self._replace, node))
-        for changed in (*event.changed_parameters, *event.new_parameters):
-            if changed.name in known:
+        changed = [*event.changed_parameters, *event.new_parameters]
+        for each in changed:
+            if each.name in known:
                 with contextlib.suppress(RuntimeError):  # a type that ROS does not know
-                    self._show(node, changed.name, parameter_value_to_python(changed.value))
+                    self._show(node, each.name, parameter_value_to_python(each.value))
+        self._changed({each.name for each in changed})
 
     def _enter(self, node: str, name: str, value: Any) -> None:
+        self._submit(node, name, lambda: {f"{node}.{name}": value})
+
+    def _enter_in_sight(self, node: str, name: str, value: Any) -> None:
+        self._submit(node, name, lambda: entered_values(node, name, value, self.values))
+
+    def _submit(self, node: str, name: str, entered: Callable[[], dict[str, Any]]) -> None:
         """Set what the user has entered; a refusal is shown at its control."""
-        work = partial(self._link.parameters.set_all, node, {name: value})
-        self._link.requests.submit((node, name), work, partial(self._refuse, node, name))
+        refuse = partial(self._refuse, node, name)
+        self._link.requests.submit((node, name), lambda: self._link.set_values(entered()), refuse)
 
     def _refuse(self, node: str, name: str, reason: str) -> None:
         for control in self._controls(node, name):
@@ -83,10 +103,13 @@ class ParametersOnPage:
 
     def _show(self, node: str, name: str, value: Any) -> None:
         self.values.get(node, {})[name] = value
-        if self._link.requests.pending((node, name)):
-            return  # the user has moved on meanwhile
-        for control in self._controls(node, name):
-            control.update(value)
+        if not self._link.requests.pending((node, name)):  # otherwise the user has moved on
+            for control in self._controls(node, name):
+                control.update(value)
+        first = self._first.get(COMPENSATION)
+        told = (node, name) in (COMPENSATION, SUPER_TWISTING)
+        if told and first is not None and not self._link.requests.pending(COMPENSATION):
+            first.update(shown_compensation(self.values))
 
     def _controls(self, node: str, name: str) -> list[Control]:
         folder = self._folders.get(node)
@@ -103,14 +126,21 @@ class ParametersOnPage:
         enter = partial(self._enter, node)
         for parameter in described:
             place = node, parameter.name
-            if place in MAIN and place not in self._first:
-                titled = parameter._replace(title=MAIN[place])
-                rank = float(list(MAIN).index(place))
+            if ".".join(place) in IN_SIGHT and place not in self._first:
                 with self._main:
-                    self._first[place] = Control(self._gui, rank, titled, partial(enter, place[1]))
+                    self._first[place] = self._in_sight(parameter)
         order = float(ORDER.index(node) if node in ORDER else len(ORDER))
         with self._place:
             self._folders[node] = NodeFolder(self._gui, node, described, enter, order)
+
+    def _in_sight(self, parameter: Described) -> Control:
+        place = parameter.node, parameter.name
+        titled = parameter._replace(title=IN_SIGHT[".".join(place)])
+        if place == COMPENSATION:
+            shown = shown_compensation(self.values)
+            titled = titled._replace(value=shown, words=COMPENSATIONS)
+        rank = float(list(IN_SIGHT).index(".".join(place)))
+        return Control(self._gui, rank, titled, partial(self._enter_in_sight, *place))
 
     def _remove(self, node: str) -> None:
         self._folders.pop(node).remove()
