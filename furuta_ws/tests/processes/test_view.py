@@ -110,16 +110,25 @@ def degrees(page: Page, name: str) -> float | None:
     return np.inf if angle == "fallen" else float(angle) if degree else None
 
 
+# Whether the parts of a scene lie below each other, and what scrolls cuts off none of them.
+ALL_IN_SIGHT = """(() => {
+    const scene = document.querySelector('.scene'), box = e => e.getBoundingClientRect();
+    let end = 0;
+    for (const part of scene.children) {
+        if (box(part).top < end - 1) return false;
+        end = box(part).bottom;
+    }
+    for (let e = scene.parentElement; e; e = e.parentElement)
+        if (getComputedStyle(e).overflowY !== 'visible' && box(e).bottom < end - 1) return false;
+    return true;
+})()"""
+
+
 def assert_all_in_sight(page: Page) -> None:
-    """Nothing covers a part of a scene, and none lies outside the window, of whatever size."""
-    uncovered = (
-        "[...document.querySelectorAll('.scene p, .scene td')].every(e => {"
-        "const box = e.getBoundingClientRect();"
-        "return e.contains(document.elementFromPoint(box.x + box.width / 2, box.bottom - 2)) })"
-    )
+    """Nothing covers a part of a scene, and none lies outside its panel, at each size."""
     for width, height in ((1280, 800), SIZE, NARROW):
         page.page.set_viewport_size({"width": width, "height": height})
-        page.wait(lambda: page.page.evaluate(uncovered), f"all in sight at {width} x {height}")
+        page.wait(lambda: page.page.evaluate(ALL_IN_SIGHT), f"all in sight at {width} x {height}")
 
 
 @pytest.mark.long
@@ -141,7 +150,8 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
         page.wait(lambda step=step: step.look in page.text(".scene"), step.name)
         assert step.name in page.text("[aria-current]")
         assert "measuring" in page.figures()[step.name]
-        assert_all_in_sight(page)
+        if step.look == max((s.look for s in steps if s.scene == step.scene), key=len):
+            assert_all_in_sight(page)
         size = sizes[step.name] = page.wait(partial(degrees, page, step.name), step.name)
         assert ("exact cycle" in page.figures()) == step.scene.predict
         if step.scene.predict:

@@ -20,6 +20,7 @@ WAITING = (
 STYLE = """<style>
 div:has(> p > label) { width: 42% !important }
 [data-dock-scroll] > div:has(.scene) { min-height: min(400px, 100% - 60px) !important }
+[data-dock-scroll] > div:has(.fallen) { min-height: min(475px, 100% - 60px) !important }
 .uplot .u-title { padding: 0; font-weight: 600 }
 .uplot .u-legend { font-size: 12px }
 @media (max-width: 576px) { [style*="width: 20em"] { width: 100vw !important } }

@@ -15,7 +15,7 @@ from furuta_bringup.page.page_layout import ALARM, Note
 RESET = "Reset: pendulum upright"
 TEXT = (
     f'<div class="fallen" role="alert" style="background:{ALARM};color:white;margin:0 10px 6px;'
-    'padding:4px 8px;font-size:15px"><b>The pendulum has fallen.</b> Reset puts it upright.</div>'
+    'padding:3px 8px;font-size:14px"><b>The pendulum has fallen.</b></div>'
 )
 PUSHES = {"push arm": "pushes.arm", "push pendulum": "pushes.pendulum"}
 CLOCKWISE, ANTICLOCKWISE = "clockwise", "anticlockwise"  # seen from above: φ falls, φ rises
