@@ -62,7 +62,9 @@ page: page-tools
 PAGE = docs/site/page
 page-tools:
 	tools/in_environment tools/install firmware/requirements.lock $(PAGE)/requirements.lock
-	tools/in_environment npm install --prefix $(PAGE) --no-package-lock --ignore-scripts --no-audit --no-fund --silent
+	mkdir -p output/page && cp $(PAGE)/package.json output/page
+	tools/in_environment npm install --prefix output/page --no-package-lock --ignore-scripts --no-audit \
+		--no-fund --silent
 
 # One wheel with the library and the command line, for Python without ROS.
 wheel:

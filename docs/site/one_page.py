@@ -3,6 +3,7 @@
 import base64
 import gzip
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -38,7 +39,8 @@ ROOT = Path(__file__).parents[2]
 HERE = ROOT / "docs" / "site" / "page"
 SCENES = ROOT / "furuta_ws/src/furuta_bringup/furuta_bringup/page/guided_scenes.yaml"
 DECLARED = yaml.safe_load(SCENES.read_text())
-BUNDLER = HERE / "node_modules" / ".bin" / "esbuild"
+MODULES = ROOT / "output" / "page" / "node_modules"
+BUNDLER = MODULES / ".bin" / "esbuild"
 OPTIONS = "-std=c99", "-target", "wasm32-freestanding", "-O2", "-ffp-contract=off"
 # The only library is the compiler's own, which has fma.
 ALONE = "-nodefaultlibs", "-fno-builtin-memset", "-Wl,--no-entry", "-Wl,--strip-all"
@@ -197,7 +199,9 @@ def bundled() -> str:
     """The script of the page with what it uses of three.js; `make page-tools` installs both."""
     options = "--bundle", "--minify", "--format=esm", "--target=es2022", "--log-level=warning"
     command = [str(BUNDLER), str(HERE / "page.js"), *options]
-    return subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+    found = os.environ | {"NODE_PATH": str(MODULES)}
+    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env=found)
+    return done.stdout
 
 
 def build(out: Path) -> int:
