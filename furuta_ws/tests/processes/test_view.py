@@ -142,8 +142,9 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
     process, address = started(processes, "--", "--lockstep")
     page = browser(address, *NARROW)
     page.wait(lambda: arm_size(page) > 25.0, "the limit cycle")
-    chart = page.page.locator(".uplot").first.bounding_box()
-    assert chart["y"] + chart["height"] <= NARROW[1]
+    chart = page.page.locator(".uplot").first
+    ends = "e => e.getBoundingClientRect().bottom"
+    page.wait(lambda: chart.evaluate(ends) <= NARROW[1], "a chart in sight")
     before = [furuta("param", "list", node)[1] for node in NODES_OF_SCENES]
     sizes = {}
     steps = guided_steps()
