@@ -1,15 +1,14 @@
-"""The guided scenes and what-ifs without a page: what they set, and what is in sight."""
+"""The guided scenes without a page: what they set, and what is in sight."""
 
 import numpy as np
 import pytest
 
-from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES, PLANT
+from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES
 from furuta.settings.parameter_names import by_node
 from furuta.settings.settings import default_settings, parameters_of
 from furuta_bringup.page.guided_scenes import (
     COMPENSATIONS,
     IN_SIGHT,
-    WHAT_IFS,
     entered_values,
     guided_steps,
     names_of,
@@ -27,10 +26,10 @@ VALUES = {node: values(group) for node, group in parameters_of(default_settings(
 
 def test_steps_set_what_nodes_accept() -> None:
     """Every step sets every parameter that any changes, so none is left over from another one."""
-    names = names_of([*STEPS, *WHAT_IFS])
+    names = names_of(STEPS)
     before = values_of(names, VALUES)
     assert before is not None
-    for step in (*STEPS, *WHAT_IFS):
+    for step in STEPS:
         new = step_values(step, before, VALUES)
         assert sorted(new) == names
         for node, changed in by_node(new).items():
@@ -41,15 +40,6 @@ def test_no_scenes_where_a_node_is_missing() -> None:
     """On a rig there is no plant."""
     rig = {node: group for node, group in VALUES.items() if node != "plant"}
     assert values_of(names_of(STEPS), rig) is None
-
-
-def test_what_if_changes_the_plant_only() -> None:
-    """So that *as before* restores it, whatever else has been changed meanwhile."""
-    assert {name.partition(".")[0] for name in names_of(WHAT_IFS)} == {PLANT}
-    twice = step_values(
-        WHAT_IFS[0], {"plant.friction.alpha0": 0.3, "plant.friction.alpha1": 0.1}, {}
-    )
-    assert twice == {"plant.friction.alpha0": 0.6, "plant.friction.alpha1": 0.2}
 
 
 def test_names_in_sight_are_those_of_the_graph() -> None:

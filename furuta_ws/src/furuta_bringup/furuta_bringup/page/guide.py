@@ -1,4 +1,4 @@
-"""The guided scenes and the what-ifs: buttons, a scene's text, and what its steps have measured."""
+"""The guided scenes: a scene to choose, its text, and what its steps have measured."""
 
 from collections.abc import Callable
 from functools import partial
@@ -12,8 +12,6 @@ from furuta_bringup.page.figures import Elapsed, figures, measuring, swing
 from furuta_bringup.page.graph_link import GraphLink
 from furuta_bringup.page.guided_scenes import (
     MEASURED,
-    WHAT_IFS,
-    Step,
     guided_steps,
     names_of,
     step_values,
@@ -23,7 +21,7 @@ from furuta_bringup.page.page_layout import Note, table_html
 from furuta_bringup.page.samples import TIME
 
 FREE = "free play"
-BACK, NEXT, AS_BEFORE = "back", "next", "as before"
+BACK, NEXT = "back", "next"
 HINT = "five guided scenes; free play restores the parameters that they change"
 COLUMN = '<div style="margin-top:4px;text-align:right;color:#475569">arm, peak to peak</div>'
 COMPUTING = "computing …"
@@ -39,16 +37,11 @@ class Guide:
     """
 
     def __init__(
-        self,
-        gui: Any,
-        link: GraphLink,
-        values: Callable[[], Values],
-        pace: Callable[[bool], None],
-        what_if: "WhatIf",
+        self, gui: Any, link: GraphLink, values: Callable[[], Values], pace: Callable[[bool], None]
     ) -> None:
-        self._link, self._values, self._pace, self._what_if = link, values, pace, what_if
+        self._link, self._values, self._pace = link, values, pace
         self._steps = guided_steps()
-        self._names = names_of([*self._steps, *WHAT_IFS])
+        self._names = names_of(self._steps)
         self._scenes = [step.scene for step in self._steps]
         self.position: int | None = None
         self.elapsed = Elapsed()
@@ -143,12 +136,10 @@ class Guide:
         """Set the parameters of the step, or those that were before the scenes. Called in a job."""
         position = self.position
         self._link.end_push()
-        changed = self._what_if.forget()
         if self._before is None:
-            found = values_of(self._names, self._values())
-            assert found is not None  # the folder is hidden otherwise
-            self._before = found | changed
+            self._before = values_of(self._names, self._values())
             self._pace(True)
+        assert self._before is not None  # the folder is hidden otherwise
         step = None if position is None else self._steps[position]
         new = self._before if step is None else step_values(step, self._before, self._values())
         # The controller's modes depend on the estimator: set it after that, and restore it before.
@@ -167,37 +158,3 @@ class Guide:
         pushes, self._pushes = self._pushes, {}
         for push in pushes.items():
             self._link.requests.submit("push", partial(self._link.push, *push), self._note.fail)
-
-
-class WhatIf:
-    """Buttons that change the plant; the last one restores what was before the first press."""
-
-    def __init__(self, gui: Any, link: GraphLink, values: Callable[[], Values]) -> None:
-        self._link, self._values = link, values
-        self._names = names_of(WHAT_IFS)
-        self._before: dict[str, Any] = {}
-        self._steps = {step.name: step for step in (*WHAT_IFS, Step(AS_BEFORE))}
-        self._buttons = gui.add_button_group(
-            "What if …", list(self._steps), visible=False, order=-1.0
-        )
-        self._note = Note(gui, -0.5)
-        self._buttons.on_click(self._pressed)
-
-    def update(self) -> None:
-        """Show the buttons where the plant has what they change."""
-        self._buttons.visible = values_of(self._names, self._values()) is not None
-
-    def forget(self) -> dict[str, Any]:
-        """Values by full name before the first press, once."""
-        before, self._before = self._before, {}
-        return before
-
-    def _pressed(self, event: Any) -> None:
-        self._note.tell("")
-        work = partial(self._apply, self._steps[event.target.value])
-        self._link.requests.submit("what if", work, self._note.fail)
-
-    def _apply(self, step: Step) -> None:
-        before = self._before or values_of(self._names, self._values()) or {}
-        self._link.set_values(step_values(step, before, self._values()))
-        self._before = {} if step.name == AS_BEFORE else before

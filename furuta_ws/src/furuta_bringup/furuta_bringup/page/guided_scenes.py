@@ -1,6 +1,6 @@
 """What both pages show and measure; ``guided_scenes.yaml`` holds it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any, NamedTuple
 
@@ -47,20 +47,17 @@ class Scene(NamedTuple):
 
 
 class Step(NamedTuple):
-    """A step of a scene: its name, what it changes, and where to look; or a what-if.
+    """A step of a scene: its name, what it changes, and where to look.
 
     It sets parameters (by full name), multiplies others by a number of ``times``, and pushes.
     """
 
     name: str
-    settings: Mapping[str, Any] = {}
+    look: str
+    scene: Scene
+    settings: Mapping[str, Any]
     times: Mapping[str, float] = {}
     push: Mapping[str, float] = {}
-    look: str = ""
-    scene: Scene = Scene("", "", "")
-
-
-WHAT_IFS = [Step(**each) for each in CONTENT["what_if"]]
 
 
 def guided_steps() -> list[Step]:
@@ -75,11 +72,10 @@ def guided_steps() -> list[Step]:
     return found
 
 
-def names_of(steps: Sequence[Step]) -> list[str]:
+def names_of(steps: list[Step]) -> list[str]:
     """Full names of all parameters that the steps change."""
     own = {name for step in steps for name in (*step.settings, *step.times)}
-    recommended = any(is_recommended(*item) for step in steps for item in step.settings.items())
-    return sorted(own.union(RECOMMENDED_NAMES if recommended else ()))
+    return sorted(own.union(RECOMMENDED_NAMES))
 
 
 def values_of(names: list[str], values: Values) -> dict[str, Any] | None:

@@ -29,7 +29,7 @@ from furuta_bringup.page.figures import (
     swing,
 )
 from furuta_bringup.page.graph_link import END_TIMEOUT, GraphLink
-from furuta_bringup.page.guide import COMPUTING, Guide, WhatIf
+from furuta_bringup.page.guide import COMPUTING, Guide
 from furuta_bringup.page.guided_scenes import MEASURED
 from furuta_bringup.page.live_node import LiveNode
 from furuta_bringup.page.page_layout import ALARM, WAITING, Layout, Note, status_html
@@ -89,10 +89,8 @@ class LivePage:
         self._fall = FallNotice(gui, self._simulation.reset)
         self._warning = Note(gui, 0.5, "warning")
         self._elapsed = Elapsed()
-        with self._layout.main:
-            self._what_if = WhatIf(gui, self._link, self._values)
         pace = self._simulation.run_in_real_time
-        self._guide = Guide(gui, self._link, self._values, pace, self._what_if)
+        self._guide = Guide(gui, self._link, self._values, pace)
         self._parameters = ParametersOnPage(
             gui, self._link, self._layout.main, self._layout.parameters, self._changed
         )
@@ -182,7 +180,6 @@ class LivePage:
         fallen = has_fallen(float(newest[-1, THETA]), values)
         self._fall.show(fallen, values)
         self._guide.update(newest, fallen, list(self._predicted.items()))
-        self._what_if.update()
         if self._lockstep:
             title = "lock-step"
         else:
