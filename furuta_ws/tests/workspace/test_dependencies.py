@@ -70,6 +70,7 @@ COMMANDS = {"mypy", "types-pyyaml", "ruff"}
 TAGS = ("depend", "buildtool_depend", "exec_depend", "test_depend")
 # The requirement of each import that has another name or comes with another package.
 REQUIREMENT_OF_IMPORT = {
+    "PIL": "pillow",
     "flint": "python-flint",
     "serial": "pyserial",
     "yaml": "pyyaml",
