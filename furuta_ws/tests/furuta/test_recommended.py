@@ -54,3 +54,9 @@ def test_a_level_is_not_changed_by_it() -> None:
     assert chosen["friction_observer"]["alpha0"] == 0.3
     assert chosen["controller"]["super_twisting"] == pytest.approx(43.0 * 0.322)
     assert chosen["plant"] == load_settings([], [])["plant"]
+
+
+def test_no_friction_is_accepted() -> None:
+    """There is nothing to compensate then."""
+    none = "friction_observer.alpha0=0.0", "friction_observer.alpha1=0.0"
+    assert load_settings([], [*none, RECOMMENDED])["controller"]["super_twisting"] < 1e-6
