@@ -13,15 +13,12 @@ from typing import Any
 import numpy as np
 import yaml
 from page_designs import (
+    ALL_KNOBS,
     BASE,
-    CONTROL_KNOBS,
-    FRICTION_KNOBS,
-    KNOBS,
     LEVELS,
     PUSHES,
     SELECTING,
     STRENGTH,
-    STRENGTH_KNOB,
     Group,
     Knob,
     design_of,
@@ -78,7 +75,6 @@ def data() -> dict[str, Any]:
     """Everything that the page needs to know."""
     made = groups()
     page = translated(made)
-    knobs = {knob.name: knob for group in made for knob in group.knobs}
     design = np.zeros(page.places[PUSHES] + design_of(BASE).numbers[PUSHES].size)
     for name, place in page.places.items():
         numbers = np.ravel(design_of(BASE).numbers[name]).astype(float)
@@ -91,7 +87,7 @@ def data() -> dict[str, Any]:
         "fall_angle": BASE.controller.fall_angle,
         "encoder_counts": BASE.plant.sensors.encoder_counts,
         "groups": [table(group, page) for group in made],
-        "knobs": [shown(knob) for knob in sorted((*knobs.values(), STRENGTH_KNOB), key=rank)],
+        "knobs": [shown(knob) for knob in sorted(ALL_KNOBS.values(), key=rank)],
         "measured": DECLARED["measured"],
         "scenes": [scene | {"steps": steps(scene["steps"])} for scene in DECLARED["scenes"]],
         "words": DECLARED["words"],
@@ -111,7 +107,7 @@ def shown(knob: Knob) -> dict[str, Any]:
     plain = DECLARED["in_sight"].get(knob.shows, {})
     if knob.name == "compensation":
         plain = plain | {"words": DECLARED["compensations"]}
-    base = {**BASE_VALUES, STRENGTH_KNOB.shows: 1.0}.get(knob.shows)
+    base = {"base": BASE_VALUES[knob.shows]} if knob.shows in BASE_VALUES else {}
     return {
         "name": knob.name,
         "title": plain.get("name", knob.title),
@@ -122,7 +118,7 @@ def shown(knob: Knob) -> dict[str, Any]:
         "initial": knob.initial,
         "unit": knob.unit,
         "in_sight": bool(plain) and knob.shows != STRENGTH,
-        **({"base": base} if base is not None else {}),
+        **base,
     }
 
 
@@ -142,17 +138,12 @@ def turned(settings: dict[str, Any], factors: dict[str, float]) -> dict[str, str
     wanted = settings | {name: factor * BASE_VALUES[name] for name, factor in factors.items()}
     found = {
         knob.name: label
-        for knobs in KNOBS.values()
-        for knob in knobs
+        for knob in ALL_KNOBS.values()
         for label, given in knob.values.items()
         if given and given.items() <= wanted.items()
     }
     missing = wanted.keys() - {
-        name
-        for knobs in KNOBS.values()
-        for knob in knobs
-        if knob.name in found
-        for name in knob.values[found[knob.name]]
+        name for knob, label in found.items() for name in ALL_KNOBS[knob].values[label]
     }
     if missing:
         raise ValueError(f"no knob of the page sets {', '.join(sorted(missing))} as a scene does")
@@ -160,10 +151,7 @@ def turned(settings: dict[str, Any], factors: dict[str, float]) -> dict[str, str
 
 
 BASE_VALUES = {
-    name: value
-    for knobs in KNOBS.values()
-    for knob in knobs
-    for name, value in knob.values.get("1", {}).items()
+    name: value for knob in ALL_KNOBS.values() for name, value in knob.values.get("1", {}).items()
 }
 
 
@@ -171,13 +159,10 @@ def cycles() -> dict[str, Any]:
     """The exact cycle and its prediction without compensation, by friction level and first poles.
 
     For each level with the usual poles, and for all poles at the usual level. ``orbit`` has arm
-    angle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's motion peak to peak
-    [rad].
+    angle about its middle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's motion
+    peak to peak [rad].
     """
-    levels, poles = (
-        next(knob for knob in (*FRICTION_KNOBS, *CONTROL_KNOBS) if knob.name == name).values
-        for name in ("level", "omega1")
-    )
+    levels, poles = (ALL_KNOBS[name].values for name in ("level", "omega1"))
     wanted = {(f"{level:g}", "1") for level in LEVELS} | {("1", pole) for pole in poles}
     found = {}
     for level, pole in sorted(wanted):
@@ -187,6 +172,7 @@ def cycles() -> dict[str, Any]:
         if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s) or not predicted:
             continue
         orbit = trace(loop, cycle).state[:, :2]
+        orbit[:, 0] -= (orbit[:, 0].max() + orbit[:, 0].min()) / 2
         found[f"{level} {pole}"] = {
             "exact": cycle.phi_peak_to_peak_rad,
             "predicted": predicted[-1].phi_peak_to_peak_rad,

@@ -172,6 +172,7 @@ KNOBS = {
     ("plant_sensors", "control_estimator"): SENSOR_KNOBS,
     ("control_observer", "control_controller"): CONTROL_KNOBS,
 }
+ALL_KNOBS = {knob.name: knob for group in (*KNOBS.values(), (STRENGTH_KNOB,)) for knob in group}
 
 
 class Design(NamedTuple):

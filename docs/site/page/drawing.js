@@ -88,8 +88,7 @@ export class Drawing {
 
   phase() {
     const rows = thinned(this.motion.newest(PLANE), 400), s = this.motion.loop.signals, orbit = this.cycle()?.orbit ?? [];
-    const middle = orbit.length ? (Math.min(...orbit.map(([x]) => x)) + Math.max(...orbit.map(([x]) => x))) / 2 : 0;
-    const exact = curve(orbit, ([x]) => (x - middle) / DEGREE, ([, y]) => y, "was", 6);
+    const exact = curve(orbit, ([x]) => x / DEGREE, ([, y]) => y, "was", 6);
     const dot = { x: wrapped(s[0]) / DEGREE, y: s[1], colour: "arm" };
     chart("phase", [exact, curve(rows, angle(rows, PHI), column(SPEED), "arm", 1.8)], { least: { x: 10, y: 0.5 }, units: ["°", "rad/s"], dot });
   }

@@ -289,8 +289,8 @@ const KEYS = {
   ...Object.fromEntries(DATA.scenes.map((_, i) => [String(i + 1), () => enter(i, 0)])),
 };
 document.onkeydown = (event) => {
-  const own = { BUTTON: [" "], SUMMARY: [" "], INPUT: [" ", "ArrowLeft", "ArrowRight"], SELECT: Object.keys(KEYS) };
-  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || own[event.target.tagName]?.includes(event.key)) return;
+  const native = { BUTTON: [" "], SUMMARY: [" "], INPUT: [" ", "ArrowLeft", "ArrowRight"], SELECT: Object.keys(KEYS) };
+  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || native[event.target.tagName]?.includes(event.key)) return;
   KEYS[event.key]();
   event.preventDefault();
 };

@@ -47,9 +47,7 @@ def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def python_results(knobs: dict[str, str], samples: int) -> np.ndarray:
     """State, estimate, friction, its estimate and command (n, RESULTS) of a simulation."""
-    all_knobs = [knob for group in designs.KNOBS.values() for knob in group]
-    all_knobs.append(designs.STRENGTH_KNOB)
-    chosen = [knob.values[knobs[knob.name]] for knob in all_knobs if knob.name in knobs]
+    chosen = [designs.ALL_KNOBS[name].values[value] for name, value in knobs.items()]
     loop = designs.loop_of({name: value for each in chosen for name, value in each.items()})
     first, length, arm, pendulum = PUSH
     dt = loop.plant.sample_time

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from furuta_bringup.page.exact_cycle import Values
 from furuta_bringup.page.figures import Elapsed, figures, measuring, swing
 from furuta_bringup.page.graph_link import GraphLink
 from furuta_bringup.page.guided_scenes import (
     MEASURED,
+    Values,
     guided_steps,
     names_of,
     step_values,

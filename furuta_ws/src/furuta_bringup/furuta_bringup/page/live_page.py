@@ -12,7 +12,6 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_bringup.page.charts import SECONDS, Charts
 from furuta_bringup.page.exact_cycle import (
-    Values,
     analysed_loop,
     cycle_size,
     encoder_counts,
@@ -30,7 +29,7 @@ from furuta_bringup.page.figures import (
 )
 from furuta_bringup.page.graph_link import END_TIMEOUT, GraphLink
 from furuta_bringup.page.guide import COMPUTING, Guide
-from furuta_bringup.page.guided_scenes import MEASURED
+from furuta_bringup.page.guided_scenes import MEASURED, Values
 from furuta_bringup.page.live_node import LiveNode
 from furuta_bringup.page.page_layout import ALARM, WAITING, Layout, Note, status_html
 from furuta_bringup.page.parameters_on_page import ParametersOnPage

@@ -8,8 +8,8 @@ from typing import Any
 import viser
 
 from furuta.settings.nodes import CONTROLLER, PLANT
-from furuta_bringup.page.exact_cycle import Values
 from furuta_bringup.page.graph_link import GraphLink
+from furuta_bringup.page.guided_scenes import Values
 from furuta_bringup.page.page_layout import ALARM, Note
 
 RESET = "Reset: pendulum upright"
