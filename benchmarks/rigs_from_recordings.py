@@ -90,8 +90,8 @@ def recorded(rig: Rig, seed: int) -> Recording:
 
 def balanced(truth: Rig, identified: Rig) -> dict[str, Any]:
     """The arm's peak to peak [rad] for every compensation, NaN where the pendulum fell."""
-    plant = rig_settings(truth)["plant"]
-    settings = rig_settings(identified) | {"plant": plant}
+    settings = rig_settings(identified)
+    settings["plant"] = rig_settings(truth)["plant"]
     candidates = parse_candidates(CHOICES, settings)
     loops = [loop(candidate.applied_to(settings)) for candidate in candidates]
     outcomes = batch(loops, BALANCED_SECONDS)

@@ -48,7 +48,7 @@ Gains = tuple[float, float, float, float]
 
 def ideal(*assignments: str, law: str | None = None, feedback: Gains | None = None) -> IdealLoop:
     """The ideal loop."""
-    return AnalysisOptions(assignments=assignments, law=law, feedback=feedback).ideal_loop()
+    return AnalysisOptions(load_settings([], assignments), law, feedback).ideal_loop()
 
 
 def exact(*assignments: str, feedback: Gains | None = None) -> LimitCycle:

@@ -1,14 +1,21 @@
 """The recommended setting follows from what the settings say of the rig."""
 
 from itertools import product
+from math import inf
+from pathlib import Path
 
 import pytest
 
+from furuta.lanes.batch import outcomes
 from furuta.outcomes import outcome
-from furuta.settings.settings import Settings, load_settings, loop
+from furuta.settings.settings import Settings, load_settings, loop, require_agreement, rig_settings
+from furuta_hw.rigs.known_rigs import find_rig
+from furuta_model.parameters import ParameterError
+from furuta_sim.simulation.closed_loop import Loop
 
 LATE = "drive.delay=10", "drive.lag=0.015"
-RECOMMENDED, STRENGTH = "compensation=recommended", "strength=0.3"
+RECOMMENDED = "compensation=recommended"
+ENCODER_COUNT = Loop().plant.sensors.encoder_count
 
 
 def worst_swing(chosen: Settings) -> float:
@@ -36,16 +43,77 @@ def test_a_late_drive_gets_less() -> None:
     assert worst_swing(chosen) < 0.8 * worst_swing(load_settings([], [RECOMMENDED]))
 
 
-def test_it_follows_from_what_comes_before_and_after_it() -> None:
-    """Only what comes after it takes the place of what it sets."""
+@pytest.mark.parametrize(("delay", "lag"), [(0, 40), (12, 20), (15, 20), (20, 10), (20, 30)])
+@pytest.mark.parametrize("level", [0.1, 1.0, 3.0])
+def test_it_is_hardly_worse_than_any_strength_where_all_is_told(
+    delay: int, lag: int, level: float
+) -> None:
+    """Within a count of the best of four strengths, also where the pendulum falls in some cases."""
+    told = [
+        *(f"drive.delay={delay}", f"drive.lag={1e-3 * lag}", "friction.law=coulomb"),
+        *(f"alpha0={0.21 * level}", f"alpha1={0.022 * level}", RECOMMENDED),
+    ]
+    strengths = [[], *([f"strength={k}"] for k in (0.1, 0.3, 0.5, 1.0))]
+    loops = [loop(load_settings([], [*told, *strength])) for strength in strengths]
+    swings = [inf if run.fell else run.phi_peak_to_peak_rad for run in outcomes(loops, 40.0)]
+    assert swings[0] <= min(swings[1:]) + ENCODER_COUNT
+
+
+def test_it_follows_from_the_rig_wherever_it_stands() -> None:
     assert load_settings([], [RECOMMENDED, *LATE]) == load_settings([], [*LATE, RECOMMENDED])
-    before, after = (
-        load_settings([], given)["controller"]
-        for given in ((STRENGTH, RECOMMENDED), (RECOMMENDED, STRENGTH))
+
+
+@pytest.mark.parametrize(
+    "chosen",
+    [
+        "strength=0.3",
+        "strength=1.0",
+        "super_twisting=3.0",
+        "vibration_limit=0.2",
+        "super_twisting_bandwidth=50.0",
+        "omega1=9.0",
+        "friction_process_noise=0.5",
+    ],
+)
+def test_what_is_chosen_beside_it_holds(chosen: str) -> None:
+    """Before it and after it; on a late drive, which gets other values."""
+    name, value = chosen.split("=")
+    for given in ([*LATE, chosen, RECOMMENDED], [RECOMMENDED, chosen, *LATE]):
+        found = load_settings([], given)
+        assert (found["controller"] | found["estimator"])[name] == float(value)
+
+
+def test_poles_are_not_mixed_with_chosen_ones() -> None:
+    """A qube behind a late drive gets other poles, unless a user has chosen one of them."""
+    base = rig_settings(find_rig("qube_servo_2"))
+    names = ("zeta1", "omega2", "zeta2")
+    free = load_settings([], [*LATE, RECOMMENDED], base)["controller"]
+    held = load_settings([], [*LATE, "omega1=6.0", RECOMMENDED], base)["controller"]
+    assert [free[name] for name in names] != [base["controller"][name] for name in names]
+    assert [held[name] for name in names] == [base["controller"][name] for name in names]
+
+
+def test_a_parameter_file_holds_but_its_defaults_do_not(tmp_path: Path) -> None:
+    """A file that lists every parameter leaves the choice to the recommended setting."""
+    file = tmp_path / "controller.yaml"
+    file.write_text("controller: {ros__parameters: {strength: 1.0, super_twisting: 4.0}}")
+    found = load_settings([file], [*LATE, RECOMMENDED])["controller"]
+    assert found["super_twisting"] == 4.0
+    assert found["strength"] < 1.0
+
+
+def test_the_last_choice_of_a_compensation_counts() -> None:
+    assert load_settings([], [RECOMMENDED, "compensation=coulomb"]) == load_settings(
+        [], ["compensation=coulomb"]
     )
-    assert before["strength"] == 1.0
-    assert after["strength"] == 0.3
-    assert before | {"strength": 0.3} == after
+
+
+def test_an_option_and_an_assignment_must_agree() -> None:
+    """Neither is dropped."""
+    options = {"--seed": "plant.seed=3", "--law": "plant.friction.law=coulomb"}
+    require_agreement(["seed=3", "friction.law=coulomb"], options)
+    with pytest.raises(ParameterError, match="--seed sets"):
+        require_agreement(["seed=4"], options)
 
 
 def test_a_level_is_not_changed_by_it() -> None:

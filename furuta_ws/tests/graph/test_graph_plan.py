@@ -50,6 +50,17 @@ def test_parameters_take_precedence_over_the_rig(other_rig: Path, tmp_path: Path
     assert plant["sample_time"] == 0.002
 
 
+@pytest.mark.parametrize("assignment", ["read_only=true", "hardware_bridge.autostart=unconfigured"])
+def test_what_is_chosen_for_the_bridge_holds(assignment: str) -> None:
+    """A rig that must not be driven stays passive; otherwise the bridge connects by itself."""
+    options = GraphOptions(hardware=True, port="mock")
+    usual = plan_graph(options).settings["hardware_bridge"]
+    chosen = plan_graph(options, assignments=[assignment]).settings["hardware_bridge"]
+    assert (usual["autostart"], usual.get("read_only", False)) == ("active", False)
+    expected = {"read_only=true": ("inactive", True)}.get(assignment, ("unconfigured", False))
+    assert (chosen["autostart"], chosen.get("read_only", False)) == expected
+
+
 @pytest.mark.parametrize(
     ("options", "assignments", "reason"),
     [
@@ -58,6 +69,8 @@ def test_parameters_take_precedence_over_the_rig(other_rig: Path, tmp_path: Path
         (GraphOptions(hardware=True), ["sample_time=0.002"], "the rig's sample_time is 0.001 s"),
         (GraphOptions(rig="no_such_rig"), [], "no rig no_such_rig; rigs are "),
         (GraphOptions(namespace="a b"), [], "a namespace has letters"),
+        (GraphOptions(clock="lockstep"), ["clock=realtime"], "--lockstep sets plant.clock and so"),
+        (GraphOptions(hardware=True, port="a"), ["port=b"], "and so does --set port=b"),
         (GraphOptions(without=("plant",)), [], f"without {', '.join(OTHERS)}; given plant"),
     ],
 )

@@ -6,6 +6,9 @@ from typing import Any
 
 import pytest
 
+from furuta.settings import settings
+from furuta_ros.yaml_files import read_yaml
+
 PNG = b"\x89PNG"
 
 
@@ -53,6 +56,26 @@ def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
     assert (result["kind"], result["stable"]) == ("oscillation", True)
     assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
     assert picture.read_bytes().startswith(PNG)
+
+
+def test_a_map_has_corners_that_are_impossible(furuta: Any) -> None:
+    ranges = ("--over", "omega1=-2:7:2", "--over", "omega2=-2:5:2")
+    rows = answer(furuta("limit-cycle", *ranges, "--json"))["rows"]
+    assert [row["kind"] for row in rows] == [*["impossible"] * 3, "oscillation"]
+    assert rows[-1]["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
+
+
+def test_files_are_read_once(furuta: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file that is edited meanwhile changes no part of a map."""
+    reads: list[Path] = []
+    monkeypatch.setattr(
+        settings, "read_yaml", lambda *given: reads.append(given[0]) or read_yaml(*given)
+    )
+    file = tmp_path / "poles.yaml"
+    file.write_text("controller: {ros__parameters: {zeta1: 0.8}}")
+    ranges = ("--over", "omega1=6:7:2", "--over", "omega2=4:5:2")
+    assert len(answer(furuta("limit-cycle", *ranges, "--params", file, "--json"))["rows"]) == 4
+    assert reads == [file]
 
 
 def test_branch(furuta: Any, tmp_path: Path) -> None:

@@ -29,6 +29,14 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
         assert float(row[name]) == simulated[name], name
 
 
+@pytest.mark.parametrize("swept", ["drive.lag=0:0.01:2", "drive.delay=0:4:2", "tilt.x=0:0.1:2"])
+def test_ranges_of_what_the_ideal_loop_lacks(furuta: Any, tmp_path: Path, swept: str) -> None:
+    out = tmp_path / "a.csv"
+    status, text, err = furuta("sweep", swept, "--seconds", "5", "--out", out, "--json")
+    assert status == 0, err
+    assert json.loads(text)["runs"] == 2
+
+
 @pytest.mark.long
 def test_a_cluster_gives_the_same_table(processes: Any, tmp_path: Path) -> None:
     """Also the reasons why runs are impossible."""

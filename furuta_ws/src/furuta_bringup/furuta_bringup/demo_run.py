@@ -14,7 +14,7 @@ from rclpy.node import Node
 from furuta.settings.nodes import FRICTION_OBSERVER
 from furuta.settings.parameter_names import by_node
 from furuta.settings.recommended import RECOMMENDED, recommended_values
-from furuta.settings.settings import Settings, loop
+from furuta.settings.settings import Settings, default_settings, loop, merge_settings
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
@@ -26,10 +26,10 @@ from furuta_recordings.recorder_node import RecorderNode
 
 def in_lockstep(settings: Settings) -> Settings:
     """The settings of a paused graph without compensation."""
-    settings = {node: dict(given) for node, given in settings.items()}
-    settings["plant"] |= {"clock": "lockstep", "run_until": 0.0}
-    settings["friction_observer"]["compensation"] = COMPENSATIONS[0]
-    return settings
+    paused = default_settings()
+    paused["plant"] = {"clock": "lockstep", "run_until": 0.0}
+    paused["friction_observer"] = {"compensation": COMPENSATIONS[0]}
+    return merge_settings(settings, paused)
 
 
 def run_demo(
@@ -70,5 +70,6 @@ def _changes(
         return {FRICTION_OBSERVER: tuned()}
     if compensation != RECOMMENDED:
         return {FRICTION_OBSERVER: {"compensation": compensation}}
-    chosen, model = by_node(recommended_values(loop(settings))), loop(settings).observer
+    model = loop(settings).observer
+    chosen = by_node(recommended_values(loop(settings), settings.chosen()))
     return chosen | {FRICTION_OBSERVER: settable(model) | chosen[FRICTION_OBSERVER]}

@@ -5,17 +5,18 @@ observer is right no fast correction is needed, and where it is wrong super-twis
 Its bounds follow from the highest friction level and the sample time.
 
 What a late drive leaves is chatter, which is proportional to the strength. So this setting is
-simulated on the rig as the settings describe it, with friction that truly sticks; its level, and
-the delay of the drive, are wrong by half. If the arm swings by more than a count in any of these
-cases, another strength is chosen for the least swing in the worst one, with which three times the
-friction does not come near a fall; other poles, process noise and bandwidth if they reduce the
-swing much.
+simulated on the rig as the settings describe it, with friction that truly sticks, and in cases in
+which its level and the delay of the drive are wrong by half. If the arm swings by more than a count
+in any of them, another strength is chosen: one with which the rig as described swings hardly more
+than necessary, the pendulum falls in the fewest cases, and the swing in the others is least. With
+three times the friction it must not come near a fall. Other poles, process noise and bandwidth are
+taken if they reduce the swing much. What a user has set is left as it is.
 """
 
 from collections.abc import Iterator
 from functools import lru_cache
 from math import inf, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -32,12 +33,15 @@ from furuta_sim.parameters import InitialState, PlantFriction
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 RECOMMENDED = "recommended"
-# What it sets beside the compensation.
-RECOMMENDED_NAMES = (
+# What it sets beside the compensation: always, and if it helps much.
+OWN_NAMES = (
     "controller.strength",
     "controller.super_twisting",
     "controller.super_twisting_bandwidth",
     "controller.vibration_limit",
+)
+RECOMMENDED_NAMES = (
+    *OWN_NAMES,
     "controller.omega1",
     "controller.zeta1",
     "controller.omega2",
@@ -52,33 +56,56 @@ VIBRATION = 1.7
 # count of the encoder; at most this per sample.
 BANDWIDTH, LARGEST_STEP = 80.0, 0.1
 # Factors on the strength, on each process noise, and on the bandwidth that are tried.
-STRENGTHS, NOISES, BANDWIDTHS = (0.7, 0.5, 0.35, 0.25, 1.4), (0.33, 3.0), (0.5, 2.0)
-# A weaker setting is left to tuning: with more friction than described the pendulum could fall.
-LEAST_STRENGTH = 0.3
+STRENGTHS = (1.4, 0.7, 0.5, 0.4, 0.3, 0.2, 0.1)
+NOISES = (0.33, 3.0)
+BANDWIDTHS = (0.5, 2.0)
 KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
-# The cases: level of friction and delay of the drive, relative to what is described. The hard one
-# is dangerous if the swing is beyond a limit [rad].
-HARD_CASE, CASES = (3.0, 1.0), ((1.0, 1.0), (1.5, 1.5), (0.5, 1.5), (1.0, 1.5), (1.5, 0.5))
+# The cases: level of friction and delay of the drive, relative to what is described.
+DESCRIBED = (1.0, 1.0)
+CASES = (DESCRIBED, (1.5, 1.5), (0.5, 1.5), (1.0, 1.5), (1.5, 0.5), (0.0, 1.0))
+# The hard case, whose swing [rad] counts beyond a limit, where it is dangerous.
+HARD_CASE = (3.0, 1.0)
 LIMIT = 0.2
 SECONDS = 16.0
 HORIZONTAL = pi / 2  # [rad]; beyond it the pendulum has fallen
-# Part of the least swing so far that another strength, or another of the rest, must not exceed. A
-# belt that is not described may need the rest as it is.
-BETTER, MUCH_BETTER = 0.9, 0.6
+# Part of a count by which the rig as described may swing more than necessary.
+NEAR = 0.5
+# Part of the least swing so far that another of the rest must not exceed. A belt that is not
+# described may need the rest as it is.
+MUCH_BETTER = 0.6
+
+
+class Score(NamedTuple):
+    """In how many cases the pendulum falls, and the largest swing of the arm [rad] in the others.
+
+    A lower one is better.
+    """
+
+    falls: int
+    swing: float
+
+
+def is_compensation(name: str) -> bool:
+    """Whether this is a name of the compensation."""
+    return name in ("compensation", "friction_observer.compensation")
 
 
 def is_recommended(name: str, value: Any) -> bool:
     """Whether a setting asks for the recommended compensation."""
-    return value == RECOMMENDED and name in ("compensation", "friction_observer.compensation")
+    return value == RECOMMENDED and is_compensation(name)
 
 
-def recommended_values(loop: Loop) -> dict[str, Any]:
-    """Values by full name for the rig that the ``loop`` describes."""
-    chosen = _chosen(_as_described(loop))
+def recommended_values(loop: Loop, held: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """Values by full name for the rig that the ``loop`` describes.
+
+    Those of ``held``, by full name, are left out. Poles and noises among them are not varied.
+    """
+    fixed = held.intersection(RECOMMENDED_NAMES)
+    chosen = _chosen(_as_described(loop), fixed.difference(OWN_NAMES))
     found = {**values(chosen.controller, "controller."), **values(chosen.estimator, "estimator.")}
     return {
         "friction_observer.compensation": "lugre",
-        **{name: found[name] for name in RECOMMENDED_NAMES},
+        **{name: found[name] for name in RECOMMENDED_NAMES if name not in fixed},
     }
 
 
@@ -109,61 +136,69 @@ def _as_described(loop: Loop) -> Loop:
 
 
 @lru_cache
-def _chosen(standard: Loop) -> Loop:
-    """The standard setting, or one that swings less in the worst case."""
+def _chosen(standard: Loop, fixed: frozenset[str]) -> Loop:
+    """The standard setting, or one that is better in the worst case."""
     count = standard.plant.sensors.encoder_count
-    best, least = standard, _judged(standard, (True, inf))
-    for variants in (_strengths, _poles, _noises, _bandwidths, _strengths):
-        part = BETTER if variants is _strengths else MUCH_BETTER
-        for other in variants(best) if least > (False, count) else ():
-            aim = least[0], part * least[1]
-            found = _judged(other, aim)
-            if found < aim:
-                best, least = other, found
-    return best
+    enough = Score(0, count)
+    if _score(standard) <= enough:
+        return standard
+    least_swing = min(_swing(each, *DESCRIBED) for each in (standard, *_strengths(standard)))
+    most = least_swing + NEAR * count
+    best = _best([standard, *_strengths(standard)], most)
+    for variants in (_poles, _noises, _bandwidths):
+        for other in variants(best, fixed):
+            least = _score(best)
+            much_better = Score(least.falls, MUCH_BETTER * least.swing)
+            if least > enough and _score(_best([best, other], most)) < much_better:
+                best = other
+    return _best([best, *_strengths(best)], most)
+
+
+def _best(candidates: list[Loop], most: float) -> Loop:
+    """The one of least score among those with which the described rig swings by ``most`` [rad]."""
+    return min((each for each in candidates if _swing(each, *DESCRIBED) <= most), key=_score)
 
 
 def _strengths(loop: Loop) -> Iterator[Loop]:
     for factor in STRENGTHS:
         strength = factor * loop.controller.strength
-        if strength >= LEAST_STRENGTH:
-            yield loop._replace(controller=loop.controller._replace(strength=strength))
+        yield loop._replace(controller=loop.controller._replace(strength=strength))
 
 
-def _poles(loop: Loop) -> Iterator[Loop]:
+def _poles(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
     controller = loop.controller
-    if controller.gain == POLE_PLACEMENT:
+    names = values(controller.poles, "controller.")
+    if controller.gain == POLE_PLACEMENT and fixed.isdisjoint(names):
         poles = quadratic_poles(
             controller.model, controller.model_viscous, controller.voltage_limit
         )
         yield loop._replace(controller=controller._replace(poles=poles))
 
 
-def _noises(loop: Loop) -> Iterator[Loop]:
+def _noises(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
     estimator = loop.estimator
     for name in KALMAN_NOISES:
-        for factor in NOISES:
+        for factor in () if f"estimator.{name}" in fixed else NOISES:
             kalman = estimator.parts.kalman
             kalman = kalman._replace(**{name: factor * getattr(kalman, name)})
             parts = estimator.parts._replace(kalman=kalman)
             yield loop._replace(estimator=estimator._replace(parts=parts))
 
 
-def _bandwidths(loop: Loop) -> Iterator[Loop]:
+def _bandwidths(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
     for factor in BANDWIDTHS:
         bandwidth = factor * loop.controller.super_twisting_bandwidth
         controller = loop.controller._replace(super_twisting_bandwidth=bandwidth)
         yield loop._replace(controller=controller)
 
 
-def _judged(loop: Loop, aim: tuple[bool, float]) -> tuple[bool, float]:
-    """Whether the hard case is dangerous, and the largest swing [rad], or one above ``aim``."""
-    danger, worst = _swing(loop, *HARD_CASE) > LIMIT, 0.0
-    for case in CASES:
-        if (danger, worst) > aim:
-            break
-        worst = max(worst, _swing(loop, *case))
-    return danger, worst
+@lru_cache
+def _score(loop: Loop) -> Score:
+    """What the cases give; the hard one counts only if it is dangerous."""
+    hard = _swing(loop, *HARD_CASE)
+    swings = [hard] * (hard > LIMIT) + [_swing(loop, *case) for case in CASES]
+    falls = swings.count(inf)
+    return Score(falls, max((swing for swing in swings if swing < inf), default=inf))
 
 
 def _swing(loop: Loop, level: float, delay: float) -> float:

@@ -1,14 +1,19 @@
 """Settings: parameters of all nodes, from parameter files and NAME=VALUE assignments."""
 
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from furuta.settings.nodes import NODES, check_graph
-from furuta.settings.parameter_names import EVERY_NODE, parameters_in, parameters_named
-from furuta.settings.recommended import is_recommended, recommended_values
+from furuta.settings.parameter_names import (
+    EVERY_NODE,
+    by_node,
+    parameters_in,
+    parameters_named,
+)
+from furuta.settings.recommended import is_compensation, is_recommended, recommended_values
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.parameters import ParameterError, build, values
@@ -20,13 +25,32 @@ from furuta_sim.simulation.closed_loop import PARTS, Loop
 MOST_REPORTED = 10
 _LOG = logging.getLogger(__name__)
 
-# Values that differ from the defaults, by node and full parameter name.
-Settings = dict[str, dict[str, Any]]
+
+class Settings(dict[str, dict[str, Any]]):
+    """Values by node and full parameter name; all others are the defaults.
+
+    ``implied`` has the full names of values that nobody has chosen: they follow from a rig or from
+    the recommended setting, or are the defaults that a parameter file repeats.
+    """
+
+    implied: frozenset[str] = frozenset()
+
+    def chosen(self) -> frozenset[str]:
+        """Full names of all values that are not implied."""
+        return frozenset(self._names()) - self.implied
+
+    def all_implied(self) -> "Settings":
+        """The same, with every value implied."""
+        self.implied = frozenset(self._names())
+        return self
+
+    def _names(self) -> Iterator[str]:
+        return (f"{node}.{name}" for node, values in self.items() for name in values)
 
 
 def default_settings() -> Settings:
     """Settings that leave every parameter at its default."""
-    return {node: {} for node in NODES}
+    return Settings({node: {} for node in NODES})
 
 
 def rig_settings(rig: Rig) -> Settings:
@@ -38,12 +62,13 @@ def rig_settings(rig: Rig) -> Settings:
     model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
     nominal = model | {"model_viscous": rig.friction.viscous}
     time = {"sample_time": rig.line.sample_time}
-    return default_settings() | {
-        "plant": model | sensors | values(rig.friction, "friction.") | time | _plant_parts(rig),
-        "estimator": nominal | sensors | time | values(rig.kalman),
-        "friction_observer": values(rig.friction._replace(viscous=0.0)) | time,
-        "controller": nominal | time | values(rig.poles) | _limits(rig),
-    }
+    settings = default_settings()
+    settings["plant"] = model | sensors | values(rig.friction, "friction.") | time
+    settings["plant"] |= _plant_parts(rig)
+    settings["estimator"] = nominal | sensors | time | values(rig.kalman)
+    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | time
+    settings["controller"] = nominal | time | values(rig.poles) | _limits(rig)
+    return settings.all_implied()
 
 
 def _plant_parts(rig: Rig) -> dict[str, Any]:
@@ -107,41 +132,84 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     return name.strip(), _value(value, name)
 
 
+def law_and_feedback(
+    law: str | None, feedback: tuple[float, float, float, float] | None
+) -> dict[str, str]:
+    """The assignments that the options ``--law`` and ``--feedback`` stand for, by option."""
+    assignments = {}
+    if law:
+        assignments["--law"] = f"plant.friction.law={law}"
+    if feedback:
+        assignments["--feedback"] = f"controller.gain={[-gain for gain in feedback]}"
+    return assignments
+
+
+def require_agreement(assignments: Iterable[str], options: Mapping[str, str]) -> None:
+    """Reject an assignment to what an option of a verb sets to another value.
+
+    ``options`` are the assignments that they stand for, by the name of the option.
+    """
+    assigned: dict[str, tuple[Any, str]] = {}
+    for assignment in assignments:
+        name, value = parse_assignment(assignment)
+        assigned |= dict.fromkeys(_full_names(name), (value, assignment))
+    for option, meant in options.items():
+        name, value = parse_assignment(meant)
+        for full_name in _full_names(name):
+            other, assignment = assigned.get(full_name, (value, ""))
+            if other != value:
+                raise ParameterError(
+                    f"{option} sets {full_name} and so does --set {assignment}: leave out one"
+                )
+
+
+def _full_names(name: str) -> list[str]:
+    return [f"{match.node}.{match.parameter.name}" for match in parameters_named(name)]
+
+
 def settings_with(settings: Settings, given: Iterable[tuple[str, Any]]) -> Settings:
-    """Settings with further values, each by a name as on the command line."""
-    changed = merge_settings(settings, default_settings())
-    given = list(given)
-    asked = [number for number, item in enumerate(given) if is_recommended(*item)]
-    last = asked[-1] if asked else -1
-    # The recommended setting follows from all others, and those that come after it prevail.
-    for name, value in [item for item in given if not is_recommended(*item)]:
-        for match in parameters_named(name):
-            changed[match.node][match.parameter.name] = match.parameter.parsed(value)
-    if asked:
-        chosen = recommended_values(_loop(parameters_of(changed)))
-        changed = settings_with(changed, [*chosen.items(), *given[last + 1 :]])
+    """Settings with further values, each by a name as on the command line.
+
+    The recommended setting follows from all others, and what is chosen beside it remains.
+    """
+    added, recommended = default_settings(), False
+    for name, value in given:
+        if is_compensation(name):
+            recommended = is_recommended(name, value)
+        if not is_recommended(name, value):
+            for match in parameters_named(name):
+                added[match.node][match.parameter.name] = match.parameter.parsed(value)
+    changed = merge_settings(settings, added)
+    if recommended:
+        found = recommended_values(_loop(parameters_of(changed)), changed.chosen())
+        implied = Settings(default_settings() | by_node(found)).all_implied()
+        changed = merge_settings(changed, implied)
     return changed
 
 
 def merge_settings(under: Settings, over: Settings) -> Settings:
     """Two settings in one; the second takes precedence."""
-    return {node: under[node] | over[node] for node in NODES}
+    merged = Settings({node: under[node] | over[node] for node in NODES})
+    merged.implied = (under.implied - over.chosen()) | over.implied
+    return merged
 
 
-def parameters_of(settings: Settings) -> dict[str, Any]:
+def parameters_of(settings: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
     """Every node's parameters."""
     return {name: build(node.parameters, settings[name]) for name, node in NODES.items()}
 
 
-def loop(settings: Settings) -> Loop:
+def loop(settings: Mapping[str, Mapping[str, Any]]) -> Loop:
     """The same parameters for the loop without ROS."""
     return _loop(parameters_of(settings))
 
 
 def loop_settings(of: Loop) -> Settings:
     """Settings that describe a loop: the inverse of :func:`loop`."""
-    nodes = zip(PARTS, of, strict=True)
-    return default_settings() | {node: values(group) for node, group in nodes}
+    settings = default_settings()
+    for node, group in zip(PARTS, of, strict=True):
+        settings[node] = values(group)
+    return settings.all_implied()
 
 
 def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:
@@ -220,7 +288,10 @@ def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Pat
                 break
             continue
         for match in matches:
-            settings[match.node][match.parameter.name] = match.parameter.parsed(value)
+            parsed = match.parameter.parsed(value)
+            settings[match.node][match.parameter.name] = parsed
+            if parsed == match.parameter.default:  # as all are in a file with every parameter
+                settings.implied |= {f"{match.node}.{match.parameter.name}"}
     if unknown:
         raise ParameterError(f"{file}: {'; '.join(unknown)}")
 

@@ -1,6 +1,5 @@
 """Parameters and ranges of an analysis, and the ideal loop that they describe."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +8,7 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import LACKS, ideal_loop, left_out
 from furuta.settings.nodes import PLANT
 from furuta.settings.parameter_names import parameters_named
-from furuta.settings.settings import load_settings, loop
+from furuta.settings.settings import Settings, default_settings, loop, loop_with
 from furuta_model.parameters import ParameterError
 
 # Gains of u = l·x, which have names here although they are no parameters of a node.
@@ -18,13 +17,12 @@ MAX_VALUES = 1000
 
 
 class AnalysisOptions(NamedTuple):
-    """Parameter files, assignments, friction law and feedback u = l·x of an analysis.
+    """Settings, friction law and feedback u = l·x of an analysis.
 
     Without a law it is the plant's, without a feedback the controller's.
     """
 
-    files: tuple[Path, ...] = ()
-    assignments: tuple[str, ...] = ()
+    settings: Settings = default_settings()
     law: str | None = None
     feedback: tuple[float, float, float, float] | None = None
     linear: bool = False
@@ -32,24 +30,22 @@ class AnalysisOptions(NamedTuple):
     def ideal_loop(self, values: dict[str, float] | None = None) -> IdealLoop:
         """The ideal loop with further values of parameters or of the gains l1 to l4."""
         values = values or {}
-        named = [f"{name}={float(value)!r}" for name, value in values.items() if name not in GAINS]
-        configured = loop(load_settings(self.files, [*self.assignments, *named]))
-        ideal = ideal_loop(configured, law=self.law, linear=self.linear)
+        named = {name: float(value) for name, value in values.items() if name not in GAINS}
+        ideal = ideal_loop(loop_with(self.settings, named), law=self.law, linear=self.linear)
         gains = self.feedback or ideal.gains
         l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, gains, strict=True))
         return ideal.with_gains((l1, l2, l3, l4))
 
     def left_out(self) -> list[str]:
         """Names of the given parameters that the ideal loop idealises."""
-        return left_out(loop(load_settings(self.files, self.assignments)))
+        return left_out(loop(self.settings))
 
     def value(self, name: str) -> float | None:
         """The value of a parameter or gain in the settings, None if nodes have different values."""
         if name in GAINS:
             return float(getattr(self.ideal_loop(), name))
-        settings = load_settings(self.files, self.assignments)
         values = {
-            settings[node].get(declared.name, declared.default)
+            self.settings[node].get(declared.name, declared.default)
             for node, declared in parameters_named(name)
         }
         return float(values.pop()) if len(values) == 1 else None
@@ -70,9 +66,15 @@ def parse_range(text: str, default_count: int) -> tuple[str, np.ndarray]:
         raise ParameterError(f"{name}: needs finite LOW < HIGH, given {rest!r}")
     if not 2 <= count <= MAX_VALUES:
         raise ParameterError(f"{name}: COUNT must be 2 to {MAX_VALUES}, given {count}")
-    name = name.strip()
-    if name not in GAINS:  # an unknown name is rejected before anything is computed
-        for node, parameter in parameters_named(name):
-            if node == PLANT and parameter.name in LACKS:
-                raise ParameterError(f"the ideal loop has no plant.{parameter.name} to vary")
-    return name, np.linspace(low, high, count)
+    return name.strip(), np.linspace(low, high, count)
+
+
+def parse_varied(text: str, default_count: int) -> tuple[str, np.ndarray]:
+    """Like :func:`parse_range`, for a number of the ideal loop; other names are rejected."""
+    name, values = parse_range(text, default_count)
+    for node, parameter in () if name in GAINS else parameters_named(name):
+        if node == PLANT and parameter.name in LACKS:
+            raise ParameterError(f"the ideal loop has no plant.{parameter.name} to vary")
+        if parameter.kind not in (float, int):
+            raise ParameterError(f"{name} is no number that could be varied")
+    return name, values

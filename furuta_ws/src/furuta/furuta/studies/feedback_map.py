@@ -54,6 +54,9 @@ def map_feedbacks(
 
     Threads suffice because compiled code releases the interpreter lock. The result of a point does
     not depend on other points.
+
+    Raises:
+        ParameterError: No point is possible; with the reason for the first.
     """
     pairs = [(first, second) for first in firsts for second in seconds]
 
@@ -63,13 +66,15 @@ def map_feedbacks(
             return MapPoint(
                 *pair, limit_cycle(loop, state_at_rest(release)), predicted_peak_to_peak(loop)
             )
-        except ParameterError:
+        except ParameterError as error:
+            reasons[pair] = str(error)
             return MapPoint(*pair, IMPOSSIBLE)
 
-    # A wrong name or range raises an error here, instead of a map of impossible points.
-    loop_at(*pairs[0]), loop_at(*pairs[-1])
+    reasons: dict[tuple[float, float], str] = {}
     with ThreadPoolExecutor(available_cores()) as pool:
         yield from pool.map(point, pairs)
+    if len(reasons) == len(pairs):
+        raise ParameterError(f"no point of the map is possible: {reasons[pairs[0]]}")
 
 
 def predicted_peak_to_peak(loop: IdealLoop) -> float:

@@ -12,8 +12,8 @@ from furuta_recordings.bags.recorded_loop import RecordedRun
 # setting.
 TUNED = "tuned"
 COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, RECOMMENDED)
-# Last part of each phase, after the transients, that is evaluated.
-SETTLED = 0.75
+# Part of each phase that is transient; the rest is evaluated.
+TRANSIENT = 0.75
 
 
 class Phase(NamedTuple):
@@ -29,7 +29,7 @@ def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]
     """Amplitude, period, control effort and speed of each phase, from the recorded true state."""
     rows = []
     for phase in phases:
-        settled = recorded.between(phase.start + SETTLED * (phase.end - phase.start), phase.end)
+        settled = recorded.between(phase.start + TRANSIENT * (phase.end - phase.start), phase.end)
         oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
         rows.append(
             {

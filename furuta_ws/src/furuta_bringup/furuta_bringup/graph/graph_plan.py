@@ -3,6 +3,7 @@
 The command line and the launch file both make their graph here, so that both start the same one.
 """
 
+import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -21,6 +22,7 @@ from furuta.settings.settings import (
     load_settings,
     merge_settings,
     parameters_of,
+    require_agreement,
     rig_settings,
 )
 from furuta_hw.rigs.known_rigs import find_rig, rig_file
@@ -73,7 +75,9 @@ def plan_graph(
     Raises:
         ParameterError: A parameter or an option is wrong, or the nodes do not fit together.
     """
-    files, assignments = list(files), list(assignments)
+    files, assignments, meant = list(files), list(assignments), _meant(options)
+    require_agreement(assignments, meant)
+    assignments += meant.values()
     controlled = HARDWARE_BRIDGE if options.hardware else PLANT
     graph_nodes(controlled, options.without)  # raises an error for a wrong name
     namespace = full_namespace(options.namespace)
@@ -86,22 +90,25 @@ def plan_graph(
         base = merge_settings(base or default_settings(), rig_settings(rig))
     settings = load_settings(files, assignments, base, namespace)
     if options.hardware:
-        settings[HARDWARE_BRIDGE] |= _bridge_settings(options, name)
+        bridge = settings[HARDWARE_BRIDGE]
+        if name:
+            bridge["rig"] = str(rig_file(name))
+        if f"{HARDWARE_BRIDGE}.autostart" not in settings.chosen():
+            # The bridge connects by itself; it is armed by hand.
+            bridge["autostart"] = "inactive" if bridge.get("read_only") else "active"
         of_rig, of_nodes = rig.line.sample_time, parameters_of(settings)[ESTIMATOR].sample_time
         if of_rig != of_nodes:
             raise ParameterError(
                 f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
             )
-    elif options.clock:
-        settings[PLANT]["clock"] = options.clock
     return Graph(controlled, options.without, settings, namespace)
 
 
-def _bridge_settings(options: GraphOptions, rig: str) -> dict[str, Any]:
-    """The bridge connects by itself; it is armed by hand."""
-    chosen: dict[str, Any] = {
-        "autostart": "inactive" if options.read_only else "active",
-        "read_only": options.read_only,
+def _meant(options: GraphOptions) -> dict[str, str]:
+    """The assignments that options stand for, by the name of the option."""
+    given = {
+        "--port": f"{HARDWARE_BRIDGE}.port={json.dumps(options.port)}" if options.port else "",
+        "--read-only": f"{HARDWARE_BRIDGE}.read_only=true" if options.read_only else "",
+        f"--{options.clock}": f"{PLANT}.clock={options.clock}" if options.clock else "",
     }
-    chosen |= {"port": options.port} if options.port else {}
-    return chosen | ({"rig": str(rig_file(rig))} if rig else {})
+    return {option: assignment for option, assignment in given.items() if assignment}

@@ -15,7 +15,7 @@ from furuta_ros.whole_files import whole_file
 
 # The paper's tuned LuGre compensation.
 PLAN = TuningPlan(compensations=("lugre",), enough=0.25)
-TITLE = "limit cycle, peak to peak, last three quarters of each phase"
+TITLE = "limit cycle, peak to peak, last quarter of each phase"
 HEADINGS = {
     "compensation": "compensation",
     "phi_peak_to_peak_rad": "arm [rad]",

@@ -66,13 +66,15 @@ def command(
 
     Example: furuta limit-cycle --over omega1=2:12 --over omega2=2:12
     """
+    from furuta.settings.settings import law_and_feedback, load_settings, require_agreement
     from furuta.studies.analysis_options import AnalysisOptions
 
     if release == 0.0:
         raise click.UsageError("--release must not be 0")
     if len(ranges) > 2 or (ranges and predict):
         raise click.UsageError("--over is given once or twice, and not with --predict")
-    options = AnalysisOptions(files, assignments, law, feedback, linear)
+    require_agreement(assignments, law_and_feedback(law, feedback))
+    options = AnalysisOptions(load_settings(files, assignments), law, feedback, linear)
     if predict:
         report = _prediction(options, out)
     elif len(ranges) == 2:
@@ -109,9 +111,9 @@ def _cycle(
         require_stabilising(ideal)
     if ranges:
         from furuta.limit_cycles.continuation import branch_report, follow_branch
-        from furuta.studies.analysis_options import parse_range
+        from furuta.studies.analysis_options import parse_varied
 
-        name, ends = parse_range(ranges[0], 2)
+        name, ends = parse_varied(ranges[0], 2)
         points = follow_branch(
             lambda value: options.ideal_loop({name: value}),
             float(ends[0]),
@@ -141,11 +143,11 @@ def _map(
     out: Path | None,
     quiet: bool,
 ) -> dict[str, Any]:
-    from furuta.studies.analysis_options import parse_range
+    from furuta.studies.analysis_options import parse_varied
     from furuta.studies.feedback_map import map_feedbacks
     from furuta_bringup.printing import with_progress
 
-    (first, firsts), (second, seconds) = (parse_range(text, DEFAULT_COUNT) for text in ranges)
+    (first, firsts), (second, seconds) = (parse_varied(text, DEFAULT_COUNT) for text in ranges)
     if first == second:
         raise ParameterError(f"a map needs two different parameters, given {first} twice")
     mapped = map_feedbacks(

@@ -50,7 +50,12 @@ def command(
     gain K.
     """
     from furuta.margins import linear_report, nyquist_report
-    from furuta.settings.settings import load_settings, loop
+    from furuta.settings.settings import (
+        law_and_feedback,
+        load_settings,
+        loop,
+        require_agreement,
+    )
     from furuta.studies.analysis_options import AnalysisOptions
 
     nyquist = nyquist or figure_4
@@ -58,9 +63,11 @@ def command(
         raise ParameterError("--figure-4 cannot be combined with --feedback")
     if out is not None and not nyquist:
         raise click.UsageError("--out needs --nyquist or --figure-4")
-    nominal = loop(load_settings(files, assignments))
+    require_agreement(assignments, law_and_feedback(None, feedback))
+    settings = load_settings(files, assignments)
+    nominal = loop(settings)
     report = linear_report(nominal, feedback)
-    options = AnalysisOptions(files, assignments, "lugre", feedback)
+    options = AnalysisOptions(settings, "lugre", feedback)
     if nyquist:
         from furuta.transfer import FIGURE_4
 

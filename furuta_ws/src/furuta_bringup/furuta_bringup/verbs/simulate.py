@@ -57,25 +57,27 @@ def command(
     as_json: bool,
 ) -> None:
     """Simulate the closed loop without ROS and measure the oscillation in the second half."""
-    from furuta.settings.settings import load_settings, loop
+    from furuta.settings.settings import (
+        law_and_feedback,
+        load_settings,
+        loop,
+        require_agreement,
+    )
     from furuta_model.state import LARGEST_VALUE
     from furuta_sim.simulation.closed_loop import Simulation
 
-    first, extra = [], []
+    first, options = [], law_and_feedback(law, feedback)
     if compensation is not None:
-        extra.append(f"friction_observer.compensation={compensation}")
-    if law is not None:
-        extra.append(f"plant.friction.law={law}")
+        options["--compensation"] = f"friction_observer.compensation={compensation}"
     if ideal_sensors:
-        extra.append("sensors.ideal=true")
+        options["--ideal-sensors"] = "sensors.ideal=true"
         # The motion of the ideal loop may be a rotation, and its feedback is linear.
         limits = ("angle", "error", "speed")
-        first += [f"controller.arm_{limit}_limit={LARGEST_VALUE}" for limit in limits]
+        first = [f"controller.arm_{limit}_limit={LARGEST_VALUE}" for limit in limits]
     if seed is not None:
-        extra.append(f"plant.seed={seed}")
-    if feedback is not None:
-        extra.append(f"controller.gain={[-gain for gain in feedback]}")
-    settings = load_settings(files, [*first, *assignments, *extra])
+        options["--seed"] = f"plant.seed={seed}"
+    require_agreement(assignments, options)
+    settings = load_settings(files, [*first, *assignments, *options.values()])
     simulation = Simulation(loop(settings))
     began = perf_counter()
     record = simulation.run(seconds)

@@ -32,7 +32,7 @@ class Candidate(NamedTuple):
 
     def applied_to(self, settings: Settings) -> Settings:
         """The settings with those of the candidate. ParameterError if they are impossible."""
-        given = default_settings() | by_node(self.settings)
+        given = Settings(default_settings() | by_node(self.settings))
         return load_settings([], [], merge_settings(settings, given))
 
 
@@ -62,7 +62,7 @@ STRENGTHS = (0.0, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0)
 
 def strength_candidates(settings: Settings) -> tuple[Candidate, ...]:
     """The recommended setting with each of :data:`STRENGTHS`."""
-    values = recommended_values(loop(settings))
+    values = recommended_values(loop(settings), settings.chosen())
     return tuple(Candidate(f"{k:g}", values | {"controller.strength": k}) for k in STRENGTHS)
 
 
@@ -89,8 +89,9 @@ def _parse(text: str, settings: Settings) -> Candidate:
     name, separator, rest = text.partition("=")
     name = name.strip()
     if not separator and name in STANDARD:
-        recommended = recommended_values(loop(settings)) if name == RECOMMENDED else {}
-        return Candidate(name, STANDARD[name] | recommended)
+        if name == RECOMMENDED:
+            return Candidate(name, recommended_values(loop(settings), settings.chosen()))
+        return Candidate(name, STANDARD[name])
     if not name or not rest.strip():
         raise ParameterError(
             f"expected NAME=PARAMETER=VALUE,... or one of {', '.join(STANDARD)}; given {text!r}"
