@@ -13,7 +13,7 @@ three times the friction it must not come near a fall. Other poles, process nois
 taken if they reduce the swing much. What a user has set is left as it is.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from math import inf, pi
 from typing import Any, NamedTuple
@@ -55,8 +55,8 @@ VIBRATION = 1.7
 # Bandwidth [1/s]: between those at which a belt of 50 Hz vibrates and friction moves the arm by a
 # count of the encoder; at most this per sample.
 BANDWIDTH, LARGEST_STEP = 80.0, 0.1
-# Factors on the strength, on each process noise, and on the bandwidth that are tried.
-STRENGTHS = (1.4, 0.7, 0.5, 0.4, 0.3, 0.2, 0.1)
+# Strengths, and factors on each process noise and on the bandwidth, that are tried.
+STRENGTHS = (1.0, 1.4, 0.7, 0.5, 0.4, 0.3, 0.2, 0.1)
 NOISES = (0.33, 3.0)
 BANDWIDTHS = (0.5, 2.0)
 KALMAN_NOISES = "friction_process_noise", "pendulum_process_noise"
@@ -68,8 +68,9 @@ HARD_CASE = (3.0, 1.0)
 LIMIT = 0.2
 SECONDS = 16.0
 HORIZONTAL = pi / 2  # [rad]; beyond it the pendulum has fallen
-# Part of a count by which the rig as described may swing more than necessary.
-NEAR = 0.5
+# Angle [rad] by which the rig as described may swing more than necessary, half a count of the
+# paper's encoder.
+NEAR = 0.0125
 # Part of the least swing so far that another of the rest must not exceed. A belt that is not
 # described may need the rest as it is.
 MUCH_BETTER = 0.6
@@ -138,30 +139,37 @@ def _as_described(loop: Loop) -> Loop:
 @lru_cache
 def _chosen(standard: Loop, fixed: frozenset[str]) -> Loop:
     """The standard setting, or one that is better in the worst case."""
-    count = standard.plant.sensors.encoder_count
-    enough = Score(0, count)
+    enough = Score(0, standard.plant.sensors.encoder_count)
     if _score(standard) <= enough:
         return standard
-    least_swing = min(_swing(each, *DESCRIBED) for each in (standard, *_strengths(standard)))
-    most = least_swing + NEAR * count
-    best = _best([standard, *_strengths(standard)], most)
-    for variants in (_poles, _noises, _bandwidths):
+    best = _best(_strengths(standard))
+    for other_poles in _poles(standard, fixed):
+        best = _much_better(best, _best(_strengths(other_poles)))
+    for variants in (_noises, _bandwidths):
         for other in variants(best, fixed):
-            least = _score(best)
-            much_better = Score(least.falls, MUCH_BETTER * least.swing)
-            if least > enough and _score(_best([best, other], most)) < much_better:
-                best = other
-    return _best([best, *_strengths(best)], most)
+            best = _much_better(best, other) if _score(best) > enough else best
+    return _best([best, *_strengths(best)])
 
 
-def _best(candidates: list[Loop], most: float) -> Loop:
-    """The one of least score among those with which the described rig swings by ``most`` [rad]."""
-    return min((each for each in candidates if _swing(each, *DESCRIBED) <= most), key=_score)
+def _best(loops: Iterable[Loop]) -> Loop:
+    """Of those with which the described rig swings little, the one of least score."""
+    candidates = list(loops)
+    swings = [_swing(each, *DESCRIBED) for each in candidates]
+    most = min(swings) + NEAR
+    little = [each for each, swing in zip(candidates, swings, strict=True) if swing <= most]
+    return min(little, key=_score)
+
+
+def _much_better(best: Loop, other: Loop) -> Loop:
+    """The other one if its score is much better and the described rig swings little with it."""
+    least = _score(best)
+    if _best([best, other]) is best or _score(other) > (least.falls, MUCH_BETTER * least.swing):
+        return best
+    return other
 
 
 def _strengths(loop: Loop) -> Iterator[Loop]:
-    for factor in STRENGTHS:
-        strength = factor * loop.controller.strength
+    for strength in STRENGTHS:
         yield loop._replace(controller=loop.controller._replace(strength=strength))
 
 
