@@ -29,6 +29,16 @@ def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
         assert float(row[name]) == simulated[name], name
 
 
+def test_the_recommended_setting_follows_from_each_point(furuta: Any, tmp_path: Path) -> None:
+    """A run gives what ``simulate`` gives, whose strength depends on the drive."""
+    out, asked = tmp_path / "a.csv", ("--set", "compensation=recommended")
+    assert furuta("sweep", "drive.lag=0,0.04", "--seconds", "20", "--out", out, *asked)[0] == 0
+    with out.open() as file:
+        row = list(csv.DictReader(file))[1]
+    alone = furuta("simulate", "--seconds", "20", "--set", "drive.lag=0.04", *asked, "--json")[1]
+    assert float(row["phi_peak_to_peak_rad"]) == json.loads(alone)["phi_peak_to_peak_rad"]
+
+
 @pytest.mark.parametrize("swept", ["drive.lag=0:0.01:2", "drive.delay=0:4:2", "tilt.x=0:0.1:2"])
 def test_ranges_of_what_the_ideal_loop_lacks(furuta: Any, tmp_path: Path, swept: str) -> None:
     out = tmp_path / "a.csv"

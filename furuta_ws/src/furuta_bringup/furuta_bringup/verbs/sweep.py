@@ -42,13 +42,16 @@ def command(
     Each run gives the same result as furuta simulate. The table appears when all are done.
     """
     from furuta.lanes.batch import batch
-    from furuta.settings.settings import load_settings
+    from furuta.settings.recommended import is_recommended
+    from furuta.settings.settings import load_settings, parse_assignment
     from furuta.studies.study_tables import check_table, write_runs
     from furuta.studies.sweep import Sweep, outcomes_on_cluster, parse_swept_parameter, run
     from furuta_bringup.printing import with_progress
 
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
-    sweep = Sweep(load_settings(files, assignments), swept, seconds)
+    following = [text for text in assignments if is_recommended(*parse_assignment(text))]
+    settings = load_settings(files, [text for text in assignments if text not in following])
+    sweep = Sweep(settings, swept, seconds, tuple(map(parse_assignment, following)))
     size = sweep.size()
     check_table(out)
     simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch
