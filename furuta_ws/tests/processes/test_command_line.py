@@ -90,6 +90,8 @@ FAILED = {
     "simulate --compensation lugre --set compensation=none": "--compensation sets",
     "limit-cycle --law dahl --set plant.friction.law=lugre": "--law sets plant.friction.law",
     "limit-cycle --over omega1=-2:-1 --over omega2=2:3": "no point of the map is possible: ",
+    "simulate --feedback 10 4 60 20 --set omega1=9": "leave out omega1, or it",
+    "limit-cycle --over law=1:2": "law is not a number",
     "run --plant hardware": "no port given",
     "run --lockstep --record /proc/x": "cannot make the bag /proc/x: /proc/x: No such file",
     "run --processes --priority 10": "--processes cannot be combined",

@@ -14,8 +14,10 @@ from furuta.settings.parameter_names import (
     parameters_named,
 )
 from furuta.settings.recommended import is_compensation, is_recommended, recommended_values
+from furuta_control.modes.balance import POLE_PLACEMENT
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
+from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError, build, values
 from furuta_ros.parameter_files import Section, is_of_ros, sections
 from furuta_ros.yaml_files import parse_yaml, read_yaml
@@ -179,12 +181,21 @@ def settings_with(settings: Settings, given: Iterable[tuple[str, Any]]) -> Setti
         if not is_recommended(name, value):
             for match in parameters_named(name):
                 added[match.node][match.parameter.name] = match.parameter.parsed(value)
+    _require_one_gain(added["controller"])
     changed = merge_settings(settings, added)
     if recommended:
         found = recommended_values(_loop(parameters_of(changed)), changed.chosen())
         implied = Settings(default_settings() | by_node(found)).all_implied()
         changed = merge_settings(changed, implied)
     return changed
+
+
+def _require_one_gain(assigned: Mapping[str, Any]) -> None:
+    poles = [name for name in DesiredPoles._fields if name in assigned]
+    if poles and assigned.get("gain", POLE_PLACEMENT) != POLE_PLACEMENT:
+        raise ParameterError(
+            f"controller.gain takes the place of the poles: leave out {', '.join(poles)}, or it"
+        )
 
 
 def merge_settings(under: Settings, over: Settings) -> Settings:

@@ -76,5 +76,5 @@ def parse_varied(text: str, default_count: int) -> tuple[str, np.ndarray]:
         if node == PLANT and parameter.name in LACKS:
             raise ParameterError(f"the ideal loop has no plant.{parameter.name} to vary")
         if parameter.kind not in (float, int):
-            raise ParameterError(f"{name} is no number that could be varied")
+            raise ParameterError(f"{name} is not a number")
     return name, values
