@@ -236,10 +236,9 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
         _reset_parts(memory)
     friction = balance.scaled(memory.balance, friction, p.balance)
     u = _mode_command(p.mode, memory, x, friction, p)
-    if not p.enabled:
-        forget_integrals(memory)
-        return 0.0
-    if np.isnan(u):
+    if np.isnan(u) or not p.enabled:
+        if not p.enabled:
+            forget_integrals(memory)
         return 0.0
     if p.excitation.on and within_limits(x, p.excitation):
         u += p.excitation.amplitude * shape(p.excitation.kind, memory.phase)

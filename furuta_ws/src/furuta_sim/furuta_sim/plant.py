@@ -23,6 +23,7 @@ from furuta_sim.plant_parts import (
     design_parts,
     friction_with_parts,
     move_with_parts,
+    move_without_parts,
     read_with_faults,
 )
 
@@ -56,6 +57,16 @@ def design_plant(p: PlantParameters) -> Plant:
     )
 
 
+def changed_plant(memory: np.ndarray, before: PlantParameters, p: PlantParameters) -> Plant:
+    """The rig with the ``memory`` (1,) whose parameters change between two samples.
+
+    The time of pushes that change counts from now.
+    """
+    if p.pushes != before.pushes:
+        memory["pushed_from"] = memory["moved"]
+    return design_plant(p)
+
+
 @inlined
 def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
     """Read the sensors, once a sample; see :func:`furuta_model.sensors.measure`."""
@@ -63,6 +74,8 @@ def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.n
         read_with_faults(memory, noise, plant.sensors, plant.parts.faults, measurement)
     else:
         measure(memory.x, noise, plant.sensors, measurement)
+        memory.states_from = memory.readings + 1
+    memory.readings += 1
 
 
 @inlined
@@ -74,6 +87,8 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
         move_with_parts(memory, voltage, dt, substeps, model, law, plant.parts)
     else:
         advance(memory.x, voltage, dt, substeps, model, law)
+        move_without_parts(memory, voltage)
+    memory.moved += 1
     return voltage
 
 

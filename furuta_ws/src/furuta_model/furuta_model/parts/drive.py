@@ -31,7 +31,7 @@ def mean_torque(memory: PlantMemory, voltage: float, dt: float, p: Drive) -> flo
     if p.delay > 0:
         voltage = 0.0
         if sample >= p.delay:
-            voltage = memory.voltages[(sample - p.delay) % DELAY_SLOTS]
+            voltage = memory.voltages[max(sample - p.delay, memory.voltages_from) % DELAY_SLOTS]
     voltage = without_dead_band(voltage, p.dead_band)
     if p.lag == 0.0:
         memory.torque = voltage
