@@ -1,5 +1,6 @@
 """The node ``plant`` in lock-step and in real time."""
 
+import itertools
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,6 +11,7 @@ from std_msgs.msg import Float64
 from testbench import Bench
 
 from furuta_control.control import ControllerParameters
+from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
@@ -90,6 +92,20 @@ def test_pushes_that_change_move_the_simulation_as_the_node(bench: Bench, coggin
     simulation.run(0.031)
     assert abs(node.x[1] - before) > 0.1
     assert node.x.tobytes() == simulation.state.tobytes()
+
+
+@pytest.mark.parametrize("before", LAWS)
+def test_another_friction_law_does_not_throw_the_arm(before: str) -> None:
+    """Nor another stiffness: friction is never above its largest level, which is 0.232 V."""
+    given = {"initial.phi_dot": 2.0, "initial.theta": 0.0}
+    first = build(PlantParameters, given | {"friction.law": before})
+    for law, stiffness in itertools.product(LAWS, (80.0, 8000.0)):
+        simulation = Simulation(Loop(first))
+        simulation.run(0.05)
+        assert abs(simulation.state[1]) > 0.5
+        other = {"friction.law": law, "friction.sigma0": stiffness}
+        simulation.loop = Loop(build(PlantParameters, given | other))
+        assert np.max(np.abs(simulation.run(0.1).friction)) < 0.3
 
 
 @pytest.mark.parametrize("name", ["sample_time", "seed"])

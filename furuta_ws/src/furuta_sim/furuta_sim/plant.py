@@ -11,7 +11,7 @@ import numpy as np
 from furuta_model.block import new_memory
 from furuta_model.compiled import inlined
 from furuta_model.converter import Actuator, drive
-from furuta_model.friction.laws import FrictionLaw, friction_force, friction_law
+from furuta_model.friction.laws import FrictionLaw, find_law, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
@@ -60,11 +60,21 @@ def design_plant(p: PlantParameters) -> Plant:
 def changed_plant(memory: np.ndarray, before: PlantParameters, p: PlantParameters) -> Plant:
     """The rig with the ``memory`` (1,) whose parameters change between two samples.
 
-    The time of pushes that change counts from now.
+    The time of pushes that change counts from now. Friction goes on, but springs start undeflected.
     """
     if p.pushes != before.pushes:
         memory["pushed_from"] = memory["moved"]
+    factor = _bristle_stiffness(before) / _bristle_stiffness(p)
+    memory["x"][:, BRISTLE] *= factor
+    memory["motor"]["bristle"] *= factor
+    if find_law(p.friction.law).springs and not find_law(before.friction.law).springs:
+        memory["springs"] = memory["motor"]["springs"] = 0.0
     return design_plant(p)
+
+
+def _bristle_stiffness(p: PlantParameters) -> float:
+    """Friction [V] per deflection [rad] that is remembered; 1 if the force itself is."""
+    return p.friction.parameters.sigma0 if find_law(p.friction.law).bristle else 1.0
 
 
 @inlined
