@@ -15,7 +15,12 @@ class PlantSteps:
     """A plant without its node, in its initial state."""
 
     def __init__(self, p: PlantParameters) -> None:
-        self.memory, self._plant = initial_plant(p), block(design_plant(p))
+        self.memory = initial_plant(p)
+        self.design(p)
+
+    def design(self, p: PlantParameters) -> None:
+        """Use these parameters from now on."""
+        self._plant = block(design_plant(p))
         self._move = for_types_of(move_block, self.memory, 0.0, self._plant)
         self._read = for_types_of(read_block, self.memory, QUIET, 0.0, self._plant)
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba.core import event
 from own_parts import LUGRE, Count, array_counting, counting, differences, feedback, stribeck
 from random_loops import random_loop
 
@@ -88,6 +89,25 @@ def test_functions_of_one_name_are_different() -> None:
     assert part_name(low) in names
     sizes = [furuta.measure(seconds=60.0, friction=law).phi_peak_to_peak_rad for law in (low, high)]
     assert sizes[1] > 1.5 * sizes[0]
+
+
+def constant_compensator(estimate: float) -> Any:
+    """A compensator of constant estimate [V]."""
+    return lambda memory, x, p: estimate
+
+
+def test_a_further_function_compiles_nothing_but_itself() -> None:
+    """Numba never frees machine code, so a loop over functions must not compile more."""
+    furuta.simulate(seconds=0.01, compensation=constant_compensator(0.0))
+    estimates = np.linspace(0.01, 0.05, 5)
+    with event.install_recorder("numba:compile") as recorder:
+        runs = [
+            furuta.simulate(seconds=0.01, compensation=constant_compensator(estimate))
+            for estimate in estimates
+        ]
+    compiled = [each.data["dispatcher"].__name__ for _, each in recorder.buffer if each.is_start]
+    assert compiled == ["<lambda>"] * len(estimates)
+    assert [set(run.friction_estimate) for run in runs] == [{estimate} for estimate in estimates]
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,8 @@ from furuta_control.control import (
     reset,
 )
 from furuta_control.excitation import ExcitationParameters
+from furuta_control.modes.own import OwnControl
+from furuta_model.accepted_parts import part_name
 from furuta_model.block import new_memory
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
@@ -131,6 +133,29 @@ def test_disabled_controller_detects_a_fall() -> None:
     enabled = design_controller(ControllerParameters(gain=GAIN))
     control(memory, np.array([0, 0, 1.0, 0]), 0.0, disabled)
     assert control(memory, np.array([0, 0, 0.5, 0]), 0.0, enabled) == 0.0
+
+
+def counting(memory: np.ndarray, x: np.ndarray, friction: float, p: OwnControl) -> float:
+    """An own mode that integrates."""
+    memory[0] += x[0]
+    return memory[0]
+
+
+@pytest.mark.parametrize("mode", ["balance", "own"])
+def test_nothing_is_integrated_while_disabled(mode: str) -> None:
+    """Once enabled, the first command is that of a controller that starts."""
+    p = ControllerParameters(
+        mode=part_name(counting) if mode == "own" else mode,
+        gain=GAIN,
+        integral_time=0.5,
+        super_twisting=10.0,
+    )
+    memory, x = memory_of(), np.array([0.2, 0.1, 0.01, 0.0])
+    disabled = design_controller(p._replace(enabled=False))
+    assert {control(memory, x, 0.1, disabled) for _ in range(1000)} == {0.0}
+    x[1] = 0.15
+    enabled = design_controller(p)
+    assert control(memory, x, 0.1, enabled) == control(memory_of(), x, 0.1, enabled)
 
 
 def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Commissioning of emulated rigs whose true parameters are known."""
 
-from math import pi
+from math import inf, pi
 
 import numpy as np
 import pytest
@@ -101,6 +101,42 @@ def test_sign_of_a_hanging_pendulum() -> None:
     given = Rig(pendulum=PendulumSensor(sensor="encoder", counts_per_turn=8192))
     true = given._replace(pendulum=given.pendulum._replace(sign=-1))
     assert perform(given, find_signs(given, 1.0), true)[0].pendulum == -1
+
+
+def volts_of(experiment: Experiment, rig: Rig) -> list[float]:
+    """Perform an experiment that fails, and return its voltages [V]."""
+    volts = []
+
+    def watched() -> Experiment:
+        sample = None
+        while True:
+            volts.append(experiment.send(sample))
+            sample = yield volts[-1]
+
+    with pytest.raises(RigError) as failure:
+        perform(rig, watched())
+    assert str(failure.value).endswith(" at 0.5 V; raise --voltage or check the motor")
+    return volts
+
+
+def test_an_arm_that_does_not_move_ends_the_search_for_signs() -> None:
+    """A blocked arm is left a second after the largest voltage has been reached."""
+    blocked = Rig(friction=Friction(alpha0=50.0))
+    volts = volts_of(find_signs(blocked, 0.5), blocked)
+    assert len(volts) * blocked.line.sample_time == pytest.approx(1.5, abs=0.01)
+    assert max(volts) == 0.5
+
+
+@pytest.mark.parametrize(
+    ("friction", "seconds"),
+    [(Friction(alpha0=50.0), 1.25), (Friction(viscous=2.0), inf)],
+    ids=["blocked", "slow"],
+)
+def test_an_arm_that_does_not_move_ends_the_measurement(friction: Friction, seconds: float) -> None:
+    """A blocked arm as above; a slow one when a slide has not got its voltage."""
+    rig = Rig(friction=friction)
+    volts = volts_of(measure_friction(rig, 2.0, lambda motion: None, 0.5), rig)
+    assert len(volts) * rig.line.sample_time < seconds + 0.01
 
 
 def still(rig: Rig, theta: float, number: int = 500) -> list[RigSample]:

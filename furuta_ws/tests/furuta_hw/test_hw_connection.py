@@ -12,7 +12,7 @@ from furuta_hw import drivers
 from furuta_hw.bridge.guarded_rig import GuardedRig
 from furuta_hw.connection import rig_connection
 from furuta_hw.connection.rig_connection import MAX_BATCH, RigConnection
-from furuta_hw.connection.rig_driver import RigDriver, RigSample
+from furuta_hw.connection.rig_driver import LineStatistics, RigDriver, RigSample
 from furuta_hw.drivers import find_driver
 from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
 from furuta_hw.errors import LineError, RigError
@@ -137,6 +137,18 @@ def test_a_silent_rig_is_restarted(line: Line) -> None:
     with pytest.raises(LineError, match="open failed"):
         line.numbers()
     assert not line.connection.connected
+
+
+def test_bad_frames_count_from_a_restart(line: Line, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a driver whose count begins again there are not fewer than none."""
+    statistics = LineStatistics(corrupt=50)
+    monkeypatch.setattr(line.driver, "statistics", lambda: statistics)
+    assert line.connection.new_bad_frames() == 50
+    line.now += 1.1
+    statistics = LineStatistics()
+    with pytest.raises(LineError):
+        line.numbers()
+    assert line.connection.new_bad_frames() == 0
 
 
 def test_a_rig_is_not_armed_again_after_a_failure(line: Line) -> None:

@@ -1,8 +1,10 @@
 """The reference firmware drives while it is answered; ``proofs`` explores when it must not."""
 
+from furuta_hw.emulator.emulated_rig import EmulatedRig
 from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.protocol import frames
 from furuta_hw.protocol.frames import ARMED, FAULT, WATCHDOG, FrameReader, encode
+from furuta_hw.rigs.rig import Rig
 
 SESSION = 77
 WATCHDOG_SAMPLES = 5
@@ -65,3 +67,24 @@ def test_a_fault_of_the_rig_stops_it_and_prevents_arming() -> None:
     firmware.receive(encode(frames.ArmFrame(SESSION, firmware.number)))
     drive(firmware)
     assert firmware.code == 0
+
+
+def test_bytes_arrive_once_while_another_thread_takes_them() -> None:
+    """The other thread runs while the emulated rig takes the second bytes."""
+    taken: list[bytes] = []
+
+    class Recorder(Firmware):
+        def receive(self, data: bytes) -> None:
+            taken.append(data)
+
+    emulated = EmulatedRig(Rig(), make_firmware=Recorder)
+
+    class Interrupted(bytes):
+        def __radd__(self, before: bytes) -> bytes:
+            emulated.process_input()
+            return bytes(before) + bytes(self)
+
+    emulated.receive(b"first")
+    emulated.receive(Interrupted(b"second"))
+    emulated.process_input()
+    assert b"".join(taken) == b"firstsecond"

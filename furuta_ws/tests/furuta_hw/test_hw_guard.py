@@ -141,6 +141,23 @@ def test_an_encoder_that_is_stuck_stops() -> None:
     assert rig.guard.armed
 
 
+@pytest.mark.parametrize("field", ["arm_angle", "arm_speed"])
+@pytest.mark.parametrize("value", [nan, inf, -inf])
+def test_an_encoder_that_is_stuck_stops_after_a_number_that_is_not_finite(
+    field: str, value: float
+) -> None:
+    """The rig stops at that number, is armed again, and stops for the encoder."""
+    rig = armed(disagreement=0.3)
+    rig.sample(**{field: value})
+    assert rig.guard.reason == "measurement is not finite"
+    rig.sample()
+    assert rig.guard.arm(rig.now) == ""
+    rig.next = rig.next._replace(arm_speed=1.0)
+    for _ in range(2000):
+        rig.sample()
+    assert "disagree" in rig.guard.reason
+
+
 @pytest.mark.parametrize(("watchdog", "reason"), [(True, "watchdog"), (False, "the rig stopped")])
 def test_a_rig_that_stopped_by_itself_stops_the_guard(watchdog: bool, reason: str) -> None:
     """The rig was armed and is not any more."""

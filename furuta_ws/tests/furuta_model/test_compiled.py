@@ -3,9 +3,15 @@
 import os
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
 
 from furuta_model.compilation_notice import NOTICE
+from furuta_model.compiled import compiled, for_types_of
 
 CONSTANT = "SHIFT = 1.0"
 CALLEE = """
@@ -76,6 +82,64 @@ def test_cache_is_used_and_never_stale(tmp_path: Path) -> None:
     assert run(tmp_path) == (16.0, 0)
     write(tmp_path, constant="SHIFT = 9.0")
     assert run(tmp_path) == (24.0, 0)
+
+
+VALUES = {"TABLE": "((1.0, 2.0), (3.0,))", "NAME": "'plus'", "ARRAY": "np.array([[4.0, 5.0]])"}
+TAKER = """
+import values_module
+from furuta_model.compiled import compiled
+from values_module import ARRAY, NAME, TABLE
+@compiled
+def caller(x):
+    more = values_module.deeper_module.SHIFT
+    return (x if NAME == "plus" else -x) + TABLE[1][0] + ARRAY[0, 1] + more
+"""
+
+
+def test_values_of_other_files_are_part_of_the_key(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A tuple in a tuple, a text, an array and a number of a module's module."""
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    write(tmp_path, caller=TAKER)
+
+    def result(shift: float = 0.0, **changed: str) -> float:
+        """What the function gives after an edit of the other files, imported anew."""
+        lines = [f"{name} = {value}" for name, value in (VALUES | changed).items()]
+        write(tmp_path, values="\n".join(["import deeper_module", "import numpy as np", *lines]))
+        write(tmp_path, deeper=f"SHIFT = {shift}")
+        for name in ("caller", "values", "deeper"):
+            sys.modules.pop(f"{name}_module", None)
+        found: float = import_module("caller_module").caller(3.0)
+        return found
+
+    assert result() == 11.0
+    assert result(TABLE="((1.0, 2.0), (30.0,))") == 38.0
+    assert result(NAME="'minus'") == 5.0
+    assert result(ARRAY="np.array([[4.0, 50.0]])") == 56.0
+    assert result(100.0) == 111.0
+
+
+@compiled
+def total_of(values: Any) -> float:
+    """The sum of all numbers."""
+    return np.sum(np.array(values)) if isinstance(values, tuple) else np.sum(values)
+
+
+@pytest.mark.parametrize(
+    "others",
+    [
+        (np.ones(3), np.ones((3, 2))),
+        (np.ones((4, 4)), np.ones((4, 4))[:, :2]),
+        ((1.0, 2.0), (1.0, 2.0, 3.0)),
+    ],
+    ids=["dimensions", "strides", "length"],
+)
+def test_machine_code_is_that_of_the_arguments_types(others: tuple[Any, Any]) -> None:
+    """Arrays differ by their dimensions and how they lie in memory, tuples by their length."""
+    for given in others:
+        assert for_types_of(total_of, given)(given) == np.sum(given)
 
 
 def test_order_of_an_arguments_fields(tmp_path: Path) -> None:

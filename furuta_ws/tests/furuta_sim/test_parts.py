@@ -229,6 +229,96 @@ def test_stuck_and_biased_sensors() -> None:
     assert biased - ideal == pytest.approx(np.tile([0.1, -0.2, 0.05, 0.0, 0.0], (20, 1)))
 
 
+def changing(*phases: tuple[PlantParameters, int]) -> np.ndarray:
+    """Readings (n, 4) of one plant, with each of the parameters for so many samples."""
+    plant, rows = PlantSteps(phases[0][0]), []
+    for parameters, samples in phases:
+        plant.design(parameters)
+        for _ in range(samples):
+            rows.append(plant.read()[0][:4])
+            plant.move(0.1)
+    return np.array(rows)
+
+
+IDEAL = rig(sensors__ideal=True)
+
+
+@pytest.mark.parametrize("bias", [0.0, 1e-9])
+def test_a_sensor_sticks_at_its_time_whenever_that_is_set(bias: float) -> None:
+    """The time is that of the plant, with other faults before or without."""
+    before = rig(sensors__ideal=True, sensor_faults__arm_speed_bias=bias)
+    stuck = rig(
+        sensors__ideal=True, sensor_faults__stuck="potentiometer", sensor_faults__stuck_from=0.1
+    )
+    theta = changing((before, 50), (stuck, 100))[:, THETA]
+    assert np.all(np.diff(theta[:100]) != 0.0)
+    assert np.all(theta[100:] == theta[99])
+    late = changing((before, 50), (stuck, 100), (before, 50), (stuck, 20))[:, THETA]
+    assert np.all(np.diff(late[149:200]) != 0.0)
+    assert np.all(late[201:] == late[200])
+
+
+def test_the_drift_of_friction_counts_from_the_release() -> None:
+    """Switched on at 1 s, the level is that of a rig that had it from the start."""
+    drift = rig(friction__variation__drift=0.5, friction__variation__drift_time=2.0)
+    plant = PlantSteps(rig())
+    for k in range(1500):
+        if k == 1000:
+            plant.design(drift)
+        plant.move(0.0)
+    expected = 0.5 * (1.0 - np.exp(-1.499 / 2.0))
+    assert plant.memory["level_change"][0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_late_readings_begin_anew_when_switched_on() -> None:
+    """No state from before the delay was switched off; until they come the first one is held."""
+    late = rig(sensors__ideal=True, sensor_faults__reading_delay=5)
+    seen, true = changing((late, 40), (IDEAL, 60), (late, 40)), changing((IDEAL, 140))
+    assert np.array_equal(seen[100:106], np.tile(true[100], (6, 1)))
+    assert np.array_equal(seen[105:], true[100:135])
+
+
+def test_a_speed_from_counts_begins_anew_when_switched_on() -> None:
+    """Without a jump from an angle of long ago."""
+    fine = {"sensors__encoder_counts": 0, "sensors__tachometer_range": 100.0}
+    plain = rig(**fine, **NO_FRICTION)
+    counted = rig(sensor_faults__speed_bandwidth=200.0, **fine, **NO_FRICTION)
+    seen = changing((counted, 40), (plain, 300), (counted, 40))
+    assert np.ptp(seen[:, PHI]) > 0.1
+    assert np.max(np.abs(seen[340:, PHI_DOT])) <= np.max(np.abs(np.diff(seen[:, PHI]) / 1e-3))
+
+
+def test_a_late_drive_begins_anew_when_switched_on() -> None:
+    """No voltage from before it was switched off; the lag goes on from the voltage that acted."""
+    late = rig(drive__delay=3, **FINE_DRIVE)
+    lag = rig(drive__lag=0.01, **FINE_DRIVE)
+    plant, torque = PlantSteps(late), []
+    for k in range(90):
+        if k in (30, 60, 80):
+            plant.design({30: rig(**FINE_DRIVE), 60: late, 80: rig(**FINE_DRIVE)}[k])
+        plant.move(0.1 * k)
+        torque.append(plant.memory["torque"][0])
+    assert torque[30:60] == [0.1 * k for k in range(30, 60)]
+    assert torque[60:80] == [6.0] * 4 + [0.1 * k for k in range(61, 77)]
+    plant.design(lag)
+    plant.move(0.1 * 89)
+    assert plant.memory["torque"][0] == pytest.approx(8.9)
+
+
+def test_an_elastic_coupling_that_is_switched_on_starts_relaxed() -> None:
+    """The motor is where the arm is, so the arm is not thrown."""
+    plant = PlantSteps(rig(**HANGING, **NO_FRICTION))
+    x = plant.memory["x"][0]
+    for _ in range(200):
+        plant.move(0.2)
+    before = x.copy()
+    assert abs(before[PHI]) > 0.05
+    plant.design(rig(coupling__frequency=40.0, **HANGING, **NO_FRICTION))
+    for _ in range(20):
+        plant.move(0.0)
+    assert x[PHI_DOT] == pytest.approx(before[PHI_DOT], rel=0.1)
+
+
 def test_a_tilt_is_a_constant_acceleration_of_the_base() -> None:
     """The motion is that of a push of the same size that lasts, to the last bit."""
     start = {"initial.theta": 3.0, "initial.phi": 0.7}

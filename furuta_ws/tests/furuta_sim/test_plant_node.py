@@ -1,5 +1,6 @@
 """The node ``plant`` in lock-step and in real time."""
 
+import itertools
 from types import SimpleNamespace
 from typing import Any
 
@@ -9,9 +10,14 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from testbench import Bench
 
+from furuta_control.control import ControllerParameters
+from furuta_model.friction.names import LAWS
+from furuta_model.parameters import ParameterError, build
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
+from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant_node import PlantNode
+from furuta_sim.simulation.closed_loop import Loop, Simulation
 
 BEGAN, PERIOD = 5_000_000_000, 1_000_000  # [ns]
 
@@ -64,6 +70,53 @@ def test_a_push_that_is_set_later_begins_at_once(bench: Bench) -> None:
 
     for size in (1.0, 2.0, 3.0):
         assert pushed(size) == [False] * 2 + [True] * 3 + [False] * 3
+
+
+@pytest.mark.parametrize("cogging", [0.0, 0.01])
+def test_pushes_that_change_move_the_simulation_as_the_node(bench: Bench, cogging: float) -> None:
+    """Their time counts from the change, to the last bit of the state."""
+    node = plant(bench, clock="lockstep", cogging__torque=cogging)
+    node.held = False
+    given = build(PlantParameters, {"cogging.torque": cogging})
+    simulation = Simulation(Loop(given, controller=ControllerParameters(mode="off")))
+    for _ in range(300):
+        node.move(0.0)
+    simulation.run(0.3)
+    pushes = {"pushes.times": [0.02], "pushes.durations": [0.01], "pushes.arm": [1.0]}
+    node.set_parameters_atomically([Parameter(name, value=v) for name, v in pushes.items()])
+    changed = build(PlantParameters, {"cogging.torque": cogging, **pushes})
+    simulation.loop = simulation.loop._replace(plant=changed)
+    before = node.x[1]
+    for _ in range(31):
+        node.move(0.0)
+    simulation.run(0.031)
+    assert abs(node.x[1] - before) > 0.1
+    assert node.x.tobytes() == simulation.state.tobytes()
+
+
+@pytest.mark.parametrize("before", LAWS)
+def test_another_friction_law_does_not_throw_the_arm(before: str) -> None:
+    """Nor another stiffness: friction is never above its largest level, which is 0.232 V."""
+    given = {"initial.phi_dot": 2.0, "initial.theta": 0.0}
+    first = build(PlantParameters, given | {"friction.law": before})
+    for law, stiffness in itertools.product(LAWS, (80.0, 8000.0)):
+        simulation = Simulation(Loop(first))
+        simulation.run(0.05)
+        assert abs(simulation.state[1]) > 0.5
+        other = {"friction.law": law, "friction.sigma0": stiffness}
+        simulation.loop = Loop(build(PlantParameters, given | other))
+        assert np.max(np.abs(simulation.run(0.1).friction)) < 0.3
+
+
+@pytest.mark.parametrize("name", ["sample_time", "seed"])
+def test_a_simulation_keeps_what_is_read_at_its_start(name: str) -> None:
+    """As on the graph, another value is rejected and changes nothing."""
+    loop = Loop()
+    simulation = Simulation(loop)
+    other = loop._replace(plant=loop.plant._replace(**{name: 2 * getattr(loop.plant, name) + 1}))
+    with pytest.raises(ParameterError, match=rf"plant.{name} is .* for the whole simulation"):
+        simulation.loop = other
+    assert simulation.loop == loop
 
 
 def test_realtime_holds_until_the_first_command(bench: Bench) -> None:

@@ -12,6 +12,7 @@ from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_control.control import POLE_PLACEMENT
 from furuta_control.controller_node import ControllerNode
+from furuta_control.modes import swing_up
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros import node
@@ -135,6 +136,29 @@ def test_old_estimate_becomes_zero(loop: Loop, in_real_time: None) -> None:
     loop.state(6)
     loop.state(30)
     loop.expect(FEEDBACK + 0.1, FEEDBACK + 0.1, FEEDBACK)
+
+
+def test_a_restart_is_kept_until_a_state_is_answered(loop: Loop, in_real_time: None) -> None:
+    """The first state after a gap has no estimate; the next one still forgets the fall."""
+    loop.state(1, (0.0, 0.0, 2.0, 0.0))
+    loop.estimate(0.0)
+    loop.state(2)
+    loop.estimate(0.0)
+    loop.expect(0.0, 0.0)
+    loop.state(1000)
+    loop.state(1001)
+    loop.expect(FEEDBACK)
+
+
+def test_a_reset_brings_swing_up_back_without_observer(loop: Loop, in_real_time: None) -> None:
+    """An arm beyond its travel ends the swing-up until the plant is reset."""
+    loop.node.set_parameters([Parameter("mode", value="swing_up")])
+    for k in range(1, 40):
+        loop.state(k, (7.0, 0.0, 3.0, 0.0))
+    assert loop.node._active_mode == swing_up.OFF
+    for k in range(1000, 1040):
+        loop.state(k, (0.0, 0.0, 3.0, 0.0))
+    assert loop.node._active_mode == swing_up.SWINGING
 
 
 def test_gain_and_poles_by_service(loop: Loop) -> None:

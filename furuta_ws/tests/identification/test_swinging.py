@@ -1,5 +1,7 @@
 """The model of a swinging pendulum: truth, standard errors, verdict, predictions, rig."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from random_rigs import EXAMPLE, Readings, example, record
@@ -8,13 +10,19 @@ from sources import RECORDINGS
 from furuta.identification.identify import identify, identify_files, validate
 from furuta.identification.model import Model, Prediction
 from furuta.identification.options import Options
-from furuta.identification.result.identified_rig import identified_rig, quadratic_poles
+from furuta.identification.result.identified_rig import (
+    _recorded_rig,
+    _rig_of_plant,
+    identified_rig,
+    quadratic_poles,
+)
 from furuta.identification.result.report import standard_errors, summary, verdict
 from furuta.identification.shooting.unknowns import wave_names
 from furuta.identification.uncertainty.identifiability import undetermined
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs.rig import Rig
 from furuta_model.linear import linearize, place_poles
+from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
 from furuta_model.state import THETA
@@ -199,3 +207,55 @@ def test_a_real_rig() -> None:
     for (prediction,), least in ((fitted, 98.0), (held_out, 96.0)):
         fits = prediction.fits()
         assert min(fits["arm angle"], fits["pendulum angle"]) > least
+
+
+BRIDGE = "left/hardware_bridge: {{ros__parameters: {{rig: '{}'}}}}"
+
+
+@pytest.mark.parametrize(
+    ("parameters", "origin", "sample_time"),
+    [
+        (None, "sensors are not known", 0.002),
+        ("controller: {ros__parameters: {strength: 1.0}}", "sensors are not known", 0.002),
+        (BRIDGE.format("gone.yaml"), "gone.yaml is gone", 0.002),
+        (BRIDGE.format("{rig}"), "(according to the bag)", 0.02),
+        ("plant: {ros__parameters: {sample_time: 0.01}}", "according to the bag", 0.01),
+    ],
+    ids=["no file", "no plant", "gone", "rig", "plant"],
+)
+def test_a_recording_knows_its_sensors(
+    parameters: str | None, origin: str, sample_time: float, tmp_path: Path
+) -> None:
+    """By the parameters in the bag, in a namespace too; else they are those of the paper."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("line: {sample_time: 0.02}")
+    if parameters:
+        (tmp_path / "parameters.yaml").write_text(parameters.replace("{rig}", str(rig)))
+    found, said = _recorded_rig(tmp_path, example("steps", 1.0, seconds=0.5))
+    assert origin in said
+    assert found.line.sample_time == sample_time
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        BRIDGE.format("{rig}"),
+        "plant: {ros__parameters: {sensors.tachometer_bits: twelve}}",
+        "plant: [1, 2",
+    ],
+    ids=["rig file", "value", "text"],
+)
+def test_bad_parameters_in_a_bag_are_an_error(parameters: str, tmp_path: Path) -> None:
+    """They are not replaced by the sensors of the paper."""
+    rig = tmp_path / "rig.yaml"
+    rig.write_text("line: {sample_tme: 0.02}")
+    (tmp_path / "parameters.yaml").write_text(parameters.replace("{rig}", str(rig)))
+    with pytest.raises(ParameterError, match=r"sample_tme|tachometer_bits|parameters.yaml"):
+        _recorded_rig(tmp_path, example("steps", 1.0, seconds=0.5))
+
+
+def test_a_converter_without_steps_is_written_with_the_most_bits() -> None:
+    """Zero bits of a simulated converter mean no steps, not the coarsest ones."""
+    given = {"actuator.bits": 0, "actuator.voltage_range": 10.0, "sensors.encoder_counts": 0}
+    rig = _rig_of_plant(given | {"sample_time": 0.001})
+    assert (rig.drive.bits, rig.speed.bits, rig.arm.counts_per_turn) == (16, 12, 200_000)

@@ -53,7 +53,7 @@ MUTANTS: list[tuple[type, str, str, Bounds]] = [
     (LockStep, "unchanged >= SETTLE_TIME", "True", Bounds(3, losses=1, early=1)),
     (ControllerNode, "and not self._is_answered:", ":", Bounds(3, losses=1)),
     (ControllerNode, "if self._is_answered:", "if False:", Bounds(2, losses=1)),
-    (ControllerNode, "self._is_estimated or self._is_anew or ", "False and ", Bounds(2)),
+    (ControllerNode, "self._is_estimated or is_anew or ", "False and ", Bounds(2)),
 ]
 
 

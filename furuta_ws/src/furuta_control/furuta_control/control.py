@@ -237,6 +237,8 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
     friction = balance.scaled(memory.balance, friction, p.balance)
     u = _mode_command(p.mode, memory, x, friction, p)
     if np.isnan(u) or not p.enabled:
+        if not p.enabled:
+            forget_integrals(memory)
         return 0.0
     if p.excitation.on and within_limits(x, p.excitation):
         u += p.excitation.amplitude * shape(p.excitation.kind, memory.phase)
@@ -272,5 +274,6 @@ def reset(memory: ControllerMemory) -> None:
 
 @inlined
 def forget_integrals(memory: ControllerMemory) -> None:
-    """Forget what has been integrated, as the last command was not applied."""
+    """Forget what has been integrated, and an own mode all, as a command is not applied."""
+    forget_own(memory.own)
     balance.forget_integrals(memory.balance)

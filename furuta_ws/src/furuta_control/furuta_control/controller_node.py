@@ -63,7 +63,8 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._x, self._stamp, self._command = NO_SIGNALS, NEVER, 0.0
         self._friction, self._friction_stamp = 0.0, NEVER  # of the state before the estimate
         self._is_estimated = True  # whether an estimate has come since the last state
-        self._is_anew = self._is_answered = False
+        self._restart_pending = False  # the next command comes after a gap
+        self._is_answered = False
         self._is_applied = True  # whether a rig applies the commands
         self.missed_estimates = 0
         self._active_mode = swing_up.OFF
@@ -89,8 +90,9 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             if self._is_answered:
                 self._publish()
             return
-        self._is_anew, self._stamp = starts_anew(stamp - self._stamp), stamp
-        waits = self._is_estimated or self._is_anew or self.time_is_simulated()
+        is_anew, self._stamp = starts_anew(stamp - self._stamp), stamp
+        self._restart_pending |= is_anew
+        waits = self._is_estimated or is_anew or self.time_is_simulated()
         self._is_estimated = False
         self._is_answered = False
         if not waits:
@@ -112,12 +114,13 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _answer(self, friction: float) -> None:
         """Compute the command for the state and publish it."""
+        restarts, is_applied = self._restart_pending, self._is_applied
         command, mode, is_reduced = self._step(
-            self._memory, self._x, friction, self._controller, self._is_anew, self._is_applied
+            self._memory, self._x, friction, self._controller, restarts, is_applied
         )
         if isnan(command):
             raise RefusedError(f"no value of x may be larger than {LARGEST_VALUE:g}: {self._x}")
-        self._command, self._is_answered = command, True
+        self._command, self._is_answered, self._restart_pending = command, True, False
         if mode != self._active_mode:
             self._active_mode = mode
             self._publish_mode()
@@ -145,7 +148,7 @@ def _step(
     state: Signals,
     friction: float,
     controller: np.ndarray,
-    is_anew: bool,
+    restarts: bool,
     is_applied: bool,
 ) -> tuple[float, int, bool]:
     """The command u [V], what the controller does, and whether a vibration has reduced it.
@@ -155,7 +158,7 @@ def _step(
     x = np.array(state)
     if not is_possible(x):
         return np.nan, 0, False
-    if is_anew:
+    if restarts:
         reset(memory[0])
     if not is_applied:
         forget_integrals(memory[0])

@@ -117,11 +117,6 @@ class EstimatorParameters(NamedTuple):
         return own_part(self.method, Method, "own")
 
 
-def covers_circle(name: str) -> bool:
-    """Whether the method of that name follows the pendulum through all angles."""
-    return name in METHOD_NAMES and METHODS[METHOD_NAMES.index(name)].covers_circle
-
-
 class EstimatorDesign(NamedTuple):
     """The estimator as :func:`estimate_state` uses it; ``function`` is that of an own method.
 

@@ -44,7 +44,9 @@ class Guard:
         self._disagreement *= fade
         if last and steps:
             moved = sample.arm_angle - last.arm_angle
-            self._disagreement += moved - sample.arm_speed * self._dt * steps
+            difference = moved - sample.arm_speed * self._dt * steps
+            # NaN would stay in the sum for good.
+            self._disagreement += difference if isfinite(difference) else 0.0
         self._sample, self._measured_at = sample, now
         self._command_due_since = min(self._command_due_since, now)
         self._estimate_due_since = min(self._estimate_due_since, now)
@@ -140,14 +142,14 @@ class Guard:
             ("arm angle", sample.arm_angle, limits.arm_angle, "rad"),
             ("arm speed", sample.arm_speed, limits.arm_speed, "rad/s"),
         ):
-            if abs(value) > limit:
+            if not abs(value) <= limit:
                 return f"{name} {value:.3f} {unit} is beyond {limit:g} {unit}"
-        if abs(self._disagreement) > limits.disagreement:
+        if not abs(self._disagreement) <= limits.disagreement:
             return f"encoder and speed disagree by {self._disagreement:.3f} rad"
         return ""
 
     def _reported_problem(self) -> str:
-        if self._bad_frames * self._dt / WINDOW > self.limits.bad_frames:
+        if not self._bad_frames * self._dt / WINDOW <= self.limits.bad_frames:
             return f"more than {self.limits.bad_frames:.0%} of the frames are lost or corrupt"
         return "the rig reports a fault" if self._sample and self._sample.fault else ""
 

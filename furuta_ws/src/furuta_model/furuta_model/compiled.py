@@ -11,6 +11,7 @@ import os
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -18,12 +19,16 @@ from typing import Any, TypeVar, cast, get_type_hints
 
 import numba
 import numba.extending
+import numpy as np
 
 from furuta_model.compilation_notice import announce_compilation
 
 # Options of numba for what compiled code calls, whose code is part of the caller's. Wrappers for
 # Python and C and a file in the cache would be for nobody, and take half of the compilation.
 UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+# Modules in a name, as in package.module.NUMBER, in which the used values are looked for.
+DEEPEST_MODULE = 3
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -98,13 +103,21 @@ def for_types_of(function: Function, *arguments: Any) -> Function:
     if config.DISABLE_JIT:
         return function
     # Looking at a record's type takes milliseconds, and nodes ask at every change of a parameter.
-    kinds = (getattr(argument, "dtype", type(argument)) for argument in arguments)
-    key = (function, *kinds)
+    key = (function, *map(_kind, arguments))
     if key not in _machine_code:
         dispatcher: Any = function
         types = tuple(map(numba.typeof, arguments))
         _machine_code[key] = dispatcher.compile(types)
     return cast(Function, _machine_code[key])
+
+
+def _kind(argument: Any) -> Any:
+    """What determines numba's type of an argument."""
+    if isinstance(argument, np.ndarray):
+        return argument.dtype, argument.ndim, argument.flags.num
+    if isinstance(argument, tuple):
+        return type(argument), *map(_kind, argument)
+    return getattr(argument, "dtype", type(argument))
 
 
 def make_intrinsic(
@@ -127,30 +140,42 @@ def _digest(function: Callable[..., Any]) -> str:
     """Hash of this file, the function's file, and what the machine code depends on elsewhere.
 
     That is what the function reaches through its globals, through modules among them, and through
-    its closure: compiled functions that it calls, numbers that it uses, and named tuples and
+    its closure: compiled functions that it calls, values that it uses, and named tuples and
     memories that it makes or takes.
     """
     content = hashlib.sha256(_file_digest(__file__).encode())
     content.update(_file_digest(inspect.getfile(function)).encode())
     names = sorted({*function.__code__.co_names, *_annotated(function)})
-    for name in names:
-        used = function.__globals__.get(name)
-        if isinstance(used, ModuleType):
-            for inner in names:
-                _add(content, inner, vars(used).get(inner))
-        else:
-            _add(content, name, used)
+    _add_names(content, names, function.__globals__)
     for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
         _add(content, name, cell.cell_contents)
     return content.hexdigest()
 
 
+def _add_names(content: Any, names: list[str], space: dict[str, Any], depth: int = 0) -> None:
+    """Add what has one of these names, here or in a module that has one."""
+    for name in names:
+        used = space.get(name)
+        if not isinstance(used, ModuleType):
+            _add(content, name, used)
+        elif depth < DEEPEST_MODULE:
+            _add_names(content, names, vars(used), depth + 1)
+
+
 def _add(content: Any, name: str, used: Any) -> None:
     if hasattr(used, "furuta_digest"):
         content.update(used.furuta_digest.encode())
-    elif isinstance(used, (bool, int, float)):
+    elif isinstance(used, (bool, int, float, complex, str, bytes, np.dtype, Enum)):
         content.update(f"{name}={used!r}".encode())
-    elif isinstance(used, type) and (hasattr(used, "_fields") or is_dataclass(used)):
+    elif isinstance(used, (np.ndarray, np.generic)):
+        content.update(f"{name}={used.dtype}{used.shape}".encode() + used.tobytes())
+    elif isinstance(used, tuple):
+        content.update(f"{name}={type(used).__name__} of {len(used)}".encode())
+        for each in used:
+            _add(content, "", each)
+    elif isinstance(used, type) and (
+        hasattr(used, "_fields") or is_dataclass(used) or issubclass(used, Enum)
+    ):
         content.update(_file_digest(inspect.getfile(used)).encode())
         for field, kind in sorted(get_type_hints(used).items()):
             _add(content, field, kind)

@@ -28,7 +28,7 @@ from numba.core import cgutils
 
 from furuta_model.accepted_parts import accepted_part
 from furuta_model.block import block, zeros
-from furuta_model.compiled import inlined, make_intrinsic
+from furuta_model.compiled import UNWRAPPED, inlined, make_intrinsic
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
 
@@ -69,9 +69,9 @@ def own_part(name: str, kind: Callable[..., Entry], *meaning: str) -> Entry:
 
 @cache
 def compiled_part(function: Callable[..., Any]) -> Any:
-    """An own function, compiled with the arithmetic of the house."""
+    """An own function for compiled code, with the arithmetic of the house."""
     is_compiled = hasattr(function, "py_func")
-    return function if is_compiled else numba.njit(nogil=True, error_model="numpy")(function)
+    return function if is_compiled else numba.njit(error_model="numpy", **UNWRAPPED)(function)
 
 
 @cache
@@ -109,18 +109,17 @@ def sample_function(function: Callable[..., Any], given: type, *others: Any) -> 
     1. After an exception the code gives 0. Arrays have :data:`SIGNALS` numbers; p is a ``given``.
     """
     memory = _memory_view(function)
-    array = numba.njit(lambda address: numba.carray(address, SIGNALS))
 
     def entry(inner: Any) -> Callable[..., float]:
         def update(own: Any, x: Any, measurement: Any, p: Any) -> float:
-            inner(memory(own), array(x), array(measurement), p)
+            inner(memory(own), _signals(x), _signals(measurement), p)
             return 1.0
 
         if ADDRESS in others:
             return update
         if others:
-            return lambda own, x, number, p: inner(memory(own), array(x), number, p)
-        return lambda own, x, p: inner(memory(own), array(x), p)
+            return lambda own, x, number, p: inner(memory(own), _signals(x), number, p)
+        return lambda own, x, p: inner(memory(own), _signals(x), p)
 
     return address_of(function, types.voidptr, ADDRESS, *others, numba.typeof(given()), entry=entry)
 
@@ -128,15 +127,24 @@ def sample_function(function: Callable[..., Any], given: type, *others: Any) -> 
 def _memory_view(function: Callable[..., Any]) -> Any:
     """A compiled function that makes the memory of an own function from its address."""
     first: Any = next(iter(_hints(function).values()), None)
-    if not hasattr(first, "__dataclass_fields__"):
-        return numba.njit(lambda address: numba.carray(address, OWN_NUMBERS, np.float64))
+    return _view_of(first) if hasattr(first, "__dataclass_fields__") else _numbers
+
+
+# For all functions: numba never frees machine code.
+_signals = numba.njit(lambda address: numba.carray(address, SIGNALS), **UNWRAPPED)
+_numbers = numba.njit(lambda address: numba.carray(address, OWN_NUMBERS, np.float64), **UNWRAPPED)
+
+
+@cache
+def _view_of(first: Any) -> Any:
+    """The same for a memory with the fields of a dataclass."""
     initial = block(first())
     kind = initial.dtype
     if kind.itemsize > 8 * OWN_NUMBERS or any(initial.tobytes()):
         raise ParameterError(
             f"memory {first.__name__} must start at zero and have at most {OWN_NUMBERS} numbers"
         )
-    return numba.njit(lambda address: numba.carray(address, 1, kind)[0])
+    return numba.njit(lambda address: numba.carray(address, 1, kind)[0], **UNWRAPPED)
 
 
 def _hints(function: Callable[..., Any]) -> dict[str, Any]:

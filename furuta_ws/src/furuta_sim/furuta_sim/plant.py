@@ -11,7 +11,7 @@ import numpy as np
 from furuta_model.block import new_memory
 from furuta_model.compiled import inlined
 from furuta_model.converter import Actuator, drive
-from furuta_model.friction.laws import FrictionLaw, friction_force, friction_law
+from furuta_model.friction.laws import FrictionLaw, find_law, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
@@ -23,6 +23,7 @@ from furuta_sim.plant_parts import (
     design_parts,
     friction_with_parts,
     move_with_parts,
+    move_without_parts,
     read_with_faults,
 )
 
@@ -56,6 +57,26 @@ def design_plant(p: PlantParameters) -> Plant:
     )
 
 
+def changed_plant(memory: np.ndarray, before: PlantParameters, p: PlantParameters) -> Plant:
+    """The rig with the ``memory`` (1,) whose parameters change between two samples.
+
+    The time of pushes that change counts from now. Friction goes on, but springs start undeflected.
+    """
+    if p.pushes != before.pushes:
+        memory["pushed_from"] = memory["moved"]
+    factor = _bristle_stiffness(before) / _bristle_stiffness(p)
+    memory["x"][:, BRISTLE] *= factor
+    memory["motor"]["bristle"] *= factor
+    if find_law(p.friction.law).springs and not find_law(before.friction.law).springs:
+        memory["springs"] = memory["motor"]["springs"] = 0.0
+    return design_plant(p)
+
+
+def _bristle_stiffness(p: PlantParameters) -> float:
+    """Friction [V] per deflection [rad] that is remembered; 1 if the force itself is."""
+    return p.friction.parameters.sigma0 if find_law(p.friction.law).bristle else 1.0
+
+
 @inlined
 def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
     """Read the sensors, once a sample; see :func:`furuta_model.sensors.measure`."""
@@ -63,6 +84,8 @@ def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.n
         read_with_faults(memory, noise, plant.sensors, plant.parts.faults, measurement)
     else:
         measure(memory.x, noise, plant.sensors, measurement)
+        memory.states_from = memory.readings + 1
+    memory.readings += 1
 
 
 @inlined
@@ -74,6 +97,8 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
         move_with_parts(memory, voltage, dt, substeps, model, law, plant.parts)
     else:
         advance(memory.x, voltage, dt, substeps, model, law)
+        move_without_parts(memory, voltage)
+    memory.moved += 1
     return voltage
 
 

@@ -18,7 +18,7 @@ from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, QOS
 from furuta_ros.wire import joint_state_bytes
 from furuta_sim.lockstep import LockStep
 from furuta_sim.parameters import PlantNodeParameters
-from furuta_sim.plant import NOISE_CHANNELS, Noise, design_plant, initial_plant
+from furuta_sim.plant import NOISE_CHANNELS, Noise, changed_plant, initial_plant
 from furuta_sim.plant_blocks import move_block, read_block
 from furuta_sim.realtime import RealTime
 
@@ -67,10 +67,8 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
 
     def _design(self, parameters: PlantNodeParameters) -> None:
         """Apply the new parameters between two samples."""
-        if parameters.plant.pushes != self._rig.pushes:
-            self._memory["pushed_from"] = self._memory["moved"]
+        self._plant = block(changed_plant(self._memory, self._rig, parameters.plant))
         self._rig = parameters.plant
-        self._plant = block(design_plant(self._rig))
         no_noise = np.zeros(NOISE_CHANNELS)
         self._read = for_types_of(read_block, self._memory, no_noise, 0.0, self._plant)
         self._move = for_types_of(move_block, self._memory, 0.0, self._plant)

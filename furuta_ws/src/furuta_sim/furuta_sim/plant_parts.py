@@ -9,9 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, find_law
-from furuta_model.parts.coupling import ElasticRig, advance_elastic, design_coupling, motor_friction
+from furuta_model.parts.coupling import (
+    ElasticRig,
+    advance_elastic,
+    design_coupling,
+    follow_arm,
+    motor_friction,
+)
 from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves, push_at, with_tilt
 from furuta_model.parts.drive import Drive, mean_torque
 from furuta_model.parts.motion import (
@@ -130,7 +136,18 @@ def move_with_parts(
         advance_elastic(memory.x, torque, dt, body, parts.coupling)
     else:
         advance_with_parts(memory.x, torque, dt, substeps, body, law)
-    memory.moved += 1
+        follow_arm(memory)
+
+
+@inlined
+def move_without_parts(memory: PlantMemory, voltage: float) -> None:
+    """Keep what the parts remember, so that they continue from here when they are switched on.
+
+    The plain rig has moved over a sample at ``voltage`` [V].
+    """
+    memory.voltages_from, memory.torque = memory.moved + 1, voltage
+    memory.heat = memory.level_change = 0.0
+    follow_arm(memory)
 
 
 @compiled

@@ -208,7 +208,7 @@ def friction(
         check_arm_range(session.rig, arm_range)
         if not removed:
             check_hanging(list(session.samples(REST_SECONDS)))
-        experiment = measure_friction(session.rig, rate, status.update)
+        experiment = measure_friction(session.rig, rate, status.update, voltage)
         levels = session.drive(experiment, voltage, arm_range)
     derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
     show(levels._asdict() | derived, as_json)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_hw.commissioning.session import Experiment
+from furuta_hw.commissioning.session import Experiment, ramp
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import RigError
 from furuta_hw.rigs.channels import wrapped
@@ -88,18 +88,20 @@ def check_arm_range(rig: Rig, arm_range: float) -> None:
 
 
 def measure_friction(
-    rig: Rig, rate: float, report: Callable[[str], None]
+    rig: Rig, rate: float, report: Callable[[str], None], voltage: float | None = None
 ) -> Experiment[FrictionLevels]:
     """Measure friction by voltage ramps until the arm breaks away, and by slow slides.
 
     The stiction level is the median voltage of the ramps, rising by ``rate`` [V/s], at which the
     arm breaks away. While the arm slides at a constant speed v under a speed control, its voltage
     is the friction at v: levels and viscous friction are the straight line through all slides.
-    ``report`` is called before each motion.
+    ``report`` is called before each motion. Raises :class:`RigError` if the arm does not move as it
+    should at ``voltage`` [V], by default the rig's limit.
     """
+    voltage = rig.limits.voltage if voltage is None else voltage
     yield 0.0
-    stiction = yield from _ramps(rig, rate, report)
-    positive, negative, viscous = yield from _slides(rig, report)
+    stiction = yield from _ramps(rig, rate, voltage, report)
+    positive, negative, viscous = yield from _slides(rig, voltage, report)
     # The filtered speed reaches BREAK_AWAY_SPEED a time SMOOTHING after the arm has reached it.
     excess = viscous * BREAK_AWAY_SPEED + rate * SMOOTHING
     return FrictionLevels(
@@ -112,26 +114,28 @@ def measure_friction(
 
 
 def _ramps(
-    rig: Rig, rate: float, report: Callable[[str], None]
+    rig: Rig, rate: float, voltage: float, report: Callable[[str], None]
 ) -> Experiment[dict[int, list[float]]]:
     """Return the voltages [V] of all break-aways by direction."""
     stiction: dict[int, list[float]] = {1: [], -1: []}
     for number in range(RAMPS):
         for k, direction in enumerate((1, -1)):
             report(f"ramp {2 * number + k + 1} of {2 * RAMPS}")
-            stiction[direction].append((yield from _break_away(rig, direction, rate)))
+            stiction[direction].append((yield from _break_away(rig, direction, rate, voltage)))
             yield from _rest(rig)
     return stiction
 
 
-def _slides(rig: Rig, report: Callable[[str], None]) -> Experiment[tuple[float, float, float]]:
+def _slides(
+    rig: Rig, voltage: float, report: Callable[[str], None]
+) -> Experiment[tuple[float, float, float]]:
     """Return the levels [V] in positive and negative direction, and the viscous friction."""
     slides: list[tuple[int, float, float]] = []
     for speed in SLIDE_SPEEDS:
         for direction in SLIDE_DIRECTIONS:
             number, last = len(slides) + 1, len(SLIDE_SPEEDS) * len(SLIDE_DIRECTIONS)
             report(f"slide {number} of {last}")
-            slides.append((direction, *(yield from _slide(rig, direction * speed))))
+            slides.append((direction, *(yield from _slide(rig, direction * speed, voltage))))
             yield from _rest(rig)
     # |u| = level of the direction + viscous |v|
     rows = np.array([(d > 0, d < 0, abs(v)) for d, v, _ in slides], dtype=float)
@@ -144,14 +148,15 @@ def _rest(rig: Rig) -> Generator[float, RigSample, None]:
         yield 0.0
 
 
-def _break_away(rig: Rig, direction: int, rate: float) -> Experiment[float]:
-    """Return the voltage [V] at which the arm breaks away from a ramp."""
+def _break_away(rig: Rig, direction: int, rate: float, voltage: float) -> Experiment[float]:
+    """Return the voltage [V] at which the arm breaks away from a ramp up to ``voltage``."""
     dt = rig.line.sample_time
+    voltages = ramp(rate, voltage, dt)
     u = speed = 0.0
     while direction * speed < BREAK_AWAY_SPEED:
         sample = yield direction * u
         speed += (sample.arm_speed - speed) * dt / SMOOTHING
-        u += rate * dt
+        u = next(voltages)
     return u
 
 
@@ -160,10 +165,11 @@ def _swing_period(rig: Rig) -> float:
     return 2.0 * pi * sqrt(rig.model.beta / rig.model.delta)
 
 
-def _slide(rig: Rig, speed: float) -> Experiment[tuple[float, float]]:
+def _slide(rig: Rig, speed: float, voltage: float) -> Experiment[tuple[float, float]]:
     """Return mean speed [rad/s] and voltage [V] of a slide, over one swing of the pendulum.
 
-    Over a whole swing the pendulum's mean torque on the arm is zero.
+    Over a whole swing the pendulum's mean torque on the arm is zero. Beyond ``voltage`` [V] the rig
+    does not get what the speed control asks for.
     """
     dt = rig.line.sample_time
     mobility = rig.model.beta / rig.model.determinant
@@ -178,4 +184,9 @@ def _slide(rig: Rig, speed: float) -> Experiment[tuple[float, float]]:
         sample = yield u
         rows.append((sample.arm_speed, u))
     swing = np.array(rows[-round(_swing_period(rig) / dt) :])
+    if np.abs(swing[:, 1]).max() > voltage:
+        raise RigError(
+            f"the arm did not slide at {abs(speed):g} rad/s at {voltage:g} V; raise --voltage or "
+            "check the motor"
+        )
     return float(swing[:, 0].mean()), float(swing[:, 1].mean())

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_hw.commissioning.session import Experiment
+from furuta_hw.commissioning.session import Experiment, ramp
 from furuta_hw.connection.rig_driver import RawCodes, RigSample
 from furuta_hw.errors import RigError
 from furuta_hw.rigs.channels import wrapped
@@ -16,6 +16,8 @@ from furuta_hw.rigs.rig import Rig
 LARGEST_VARIATION = 16
 # The arm has moved when its angle has changed by this, or by three counts [rad].
 LEAST_MOTION = 0.02
+# Rate of the voltage that moves the arm [V/s].
+TEST_RATE = 1.0
 
 
 def code_statistics(samples: Sequence[RigSample]) -> dict[str, float]:
@@ -65,14 +67,14 @@ def find_signs(rig: Rig, voltage: float) -> Experiment[Signs]:
     """Move the arm with a positive voltage and compare the directions of the sensors.
 
     The pendulum's sign is found if it hangs and its sensor measures that: it lags behind the arm,
-    and by (1) its angle θ then increases with φ.
+    and by (1) its angle θ then increases with φ. Raises :class:`RigError` if the arm does not move.
     """
     start = last = yield 0.0
     threshold = max(3 * abs(rig.arm.channel.per_code), LEAST_MOTION)
-    u = integrated_speed = 0.0
+    voltages = ramp(TEST_RATE, voltage, rig.line.sample_time)
+    integrated_speed = 0.0
     while abs(last.arm_angle - start.arm_angle) < threshold:
-        u = min(u + rig.line.sample_time, voltage)
-        last = yield u
+        last = yield next(voltages)
         integrated_speed += last.arm_speed * rig.line.sample_time
     forward = last.arm_angle > start.arm_angle
     arm_sign = rig.arm.sign * (1 if forward else -1)

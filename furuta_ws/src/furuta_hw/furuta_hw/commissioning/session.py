@@ -15,11 +15,26 @@ from furuta_hw.rigs.rig import Rig
 
 # Shortest time without a sample after which the line counts as failed [s].
 SILENCE = 0.5
+# Time at the largest voltage within which the arm must move [s].
+PATIENCE = 1.0
 
 Result = TypeVar("Result")
 # An experiment drives a rig: it is sent samples, yields voltages [V] and returns its result. The
 # arm angle of its samples is zero where the experiment starts.
 Experiment = Generator[float, RigSample, Result]
+
+
+def ramp(rate: float, voltage: float, sample_time: float) -> Iterator[float]:
+    """Voltages [V] of the samples of a ramp by ``rate`` [V/s] until the arm moves.
+
+    Raises :class:`RigError` after :data:`PATIENCE` at ``voltage`` [V].
+    """
+    u, samples = 0.0, 0
+    while samples * sample_time < PATIENCE:
+        u = min(u + rate * sample_time, voltage)
+        samples += u == voltage
+        yield u
+    raise RigError(f"the arm did not move at {voltage:g} V; raise --voltage or check the motor")
 
 
 class RigSession:

@@ -134,6 +134,7 @@ class RigConnection:
             self._schedule_retry()
             raise
         self._inbox.clear()
+        self._bad_frames = self._driver.statistics().bad  # some drivers count from 0 again
         self._start_reading()
         self._schedule_retry()
         raise LineError(f"no sample for {RETRY_PERIOD:g} s")

@@ -4,6 +4,7 @@ It has no clock: ``step`` is one sample. The pendulum is held in its initial sta
 first driven, and again after ``hold``.
 """
 
+from collections import deque
 from collections.abc import Callable
 from time import monotonic, sleep
 from typing import Any
@@ -67,7 +68,7 @@ class EmulatedRig:
         self._plant = block(design_plant(self.plant))
         self.faults = faults or Faults()
         self._line_to_rig, self._line_to_host = FaultyLine(1), FaultyLine(2)
-        self._inbox = b""
+        self._inbox: deque[bytes] = deque()  # two threads use it: MockPort
         self.volts = 0.0  # applied over the last sample
         self._memory = initial_plant(self.plant)
         self._arm_code = self._arm.to_code(self.x[PHI])
@@ -96,11 +97,11 @@ class EmulatedRig:
 
     def receive(self, data: bytes) -> None:
         """Receive bytes from the host."""
-        self._inbox += data
+        self._inbox.append(data)
 
     def process_input(self) -> None:
         """Pass received bytes to the firmware; ``step`` does so itself."""
-        data, self._inbox = self._inbox, b""
+        data = b"".join(self._inbox.popleft() for _ in range(len(self._inbox)))
         self.firmware.receive(self._line_to_rig.carry(data, self.faults))
 
     def step(self) -> bytes:

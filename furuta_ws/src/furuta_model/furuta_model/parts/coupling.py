@@ -42,7 +42,7 @@ from furuta_model.parts.varied_friction import (
     varied,
 )
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI, PHI_DOT, THETA
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA
 
 SIDES = ("arm", "motor")
 # Largest angle of the coupling's vibration [rad], and of a bristle's, in a substep. The error of
@@ -211,6 +211,13 @@ def advance_elastic(x: np.ndarray, u: float, dt: float, rig: Body, p: ElasticRig
         _substep(x, u, h, body, rig.cogging, p)
         keep_springs(body.memory, body.springs)
         keep_springs(motor, body.springs)
+
+
+@inlined
+def follow_arm(memory: PlantMemory) -> None:
+    """Move the motor with the arm: their coupling is rigid."""
+    motor, x = memory.motor, memory.x
+    motor.angle, motor.speed, motor.bristle = x[PHI], x[PHI_DOT], x[BRISTLE]
 
 
 @inlined

@@ -29,9 +29,11 @@ def mean_torque(memory: PlantMemory, voltage: float, dt: float, p: Drive) -> flo
     sample = memory.moved
     memory.voltages[sample % DELAY_SLOTS] = voltage
     if p.delay > 0:
-        voltage = 0.0
-        if sample >= p.delay:
+        first, voltage = memory.voltages_from, 0.0
+        if sample - p.delay >= first:
             voltage = memory.voltages[(sample - p.delay) % DELAY_SLOTS]
+        elif sample >= p.delay:
+            voltage = memory.voltages[first % DELAY_SLOTS]
     voltage = without_dead_band(voltage, p.dead_band)
     if p.lag == 0.0:
         memory.torque = voltage

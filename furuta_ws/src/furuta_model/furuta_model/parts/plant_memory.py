@@ -38,14 +38,16 @@ class PlantMemory:
         next_springs: The same at the end of the substep.
         moved: Samples that the plant has moved.
         pushed_from: The sample from which the time of the pushes counts.
+        voltages_from: The first sample of ``voltages``, the next one without parts.
         readings: Readings taken.
+        states_from: The first reading of ``states``, the next one without faults.
         level_change: Relative change of the friction level by time, heat and load.
         heat: Heat of the friction, less what has been cooled [V rad].
         torque: Torque at the end of the last sample, behind the lag [V].
         last_reading: Last reading of each signal, which a stuck sensor repeats.
         voltages: The last voltages of the drive [V], for its delay.
         states: The last states, for the delay of the sensors.
-        motor: The motor, if its coupling to the arm is elastic.
+        motor: The motor; it follows the arm unless its coupling is elastic.
     """
 
     x: np.ndarray = zeros(PLANT_STATES)
@@ -53,7 +55,9 @@ class PlantMemory:
     next_springs: np.ndarray = zeros(MAX_SPRINGS)
     moved: int = 0
     pushed_from: int = 0
+    voltages_from: int = 0
     readings: int = 0
+    states_from: int = 0
     level_change: float = 0.0
     heat: float = 0.0
     torque: float = 0.0

@@ -88,8 +88,9 @@ def sensed_state(memory: PlantMemory, i: int, on_motor: bool) -> float:
 def faulty_state(memory: PlantMemory, i: int, p: FaultySensors) -> float:
     """State i as the sensors see it: some samples ago, with bias."""
     value = sensed_state(memory, i, p.on_motor)
-    if p.delay > 0 and memory.readings > 0:
-        value = memory.states[max(memory.readings - p.delay, 0) % DELAY_SLOTS, i]
+    first = memory.states_from
+    if p.delay > 0 and memory.readings > first:
+        value = memory.states[max(memory.readings - p.delay, first) % DELAY_SLOTS, i]
     bias = 0.0
     if i == PHI:
         bias = p.arm_bias
@@ -102,24 +103,23 @@ def faulty_state(memory: PlantMemory, i: int, p: FaultySensors) -> float:
 
 @inlined
 def apply_faults(memory: PlantMemory, measurement: np.ndarray, p: FaultySensors) -> None:
-    """Repeat the reading of a stuck sensor and remove missing ones; count the reading."""
+    """Repeat the reading of a stuck sensor and remove missing ones."""
     reading, angle = memory.readings, memory.last_reading[PHI]
     for i in range(RIGID_STATES):
         memory.states[reading % DELAY_SLOTS, i] = sensed_state(memory, i, p.on_motor)
         if i == PHI_DOT and p.speed_share > 0.0:
             measurement[i] = counted_speed(memory, angle, p)
-        if i == p.stuck and reading >= max(p.stuck_from, 1.0):
+        if i == p.stuck and reading >= max(p.stuck_from, memory.states_from + 1):
             measurement[i] = memory.last_reading[i]
         memory.last_reading[i] = measurement[i]
         if p.missing > 0.0 and uniform(p.seed, reading, i) < p.missing:
             measurement[i] = np.nan
-    memory.readings += 1
 
 
 @inlined
 def counted_speed(memory: PlantMemory, angle: float, p: FaultySensors) -> float:
     """The filtered difference of the last reading of φ and the one before, ``angle`` [rad/s]."""
-    if memory.readings == 0:
+    if memory.readings == memory.states_from:
         return 0.0
     speed = memory.last_reading[PHI_DOT]
     return speed + p.speed_rate * (memory.last_reading[PHI] - angle) - p.speed_share * speed

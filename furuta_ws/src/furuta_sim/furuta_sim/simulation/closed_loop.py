@@ -14,14 +14,14 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
-from furuta_model.parameters import values
+from furuta_model.parameters import ParameterError, declared, values
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import APPLIED_TORQUE, RIGID_STATES, SIGNALS
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import (
     NOISE_CHANNELS,
     Plant,
-    design_plant,
+    changed_plant,
     initial_plant,
     move,
     read,
@@ -77,6 +77,20 @@ def _named(loop: Loop) -> dict[str, Any]:
     return {f"{part}.{name}": each for part, group in parts for name, each in values(group).items()}
 
 
+def _check_constant(before: Loop, loop: Loop) -> None:
+    """Reject other values of parameters that are only read at the start."""
+    if before == loop:
+        return
+    for part, old, new in zip(PARTS, before, loop, strict=True):
+        former, given = values(old), values(new)
+        for name in (each.name for each in declared(type(old)) if each.about.read_only):
+            if given[name] != former[name]:
+                raise ParameterError(
+                    f"{part}.{name} is {former[name]:g} for the whole simulation, given "
+                    f"{given[name]:g}; make another Simulation"
+                )
+
+
 class Record(NamedTuple):
     """Series of a run, one row per sample of ``sample_time`` [s].
 
@@ -102,7 +116,7 @@ class Record(NamedTuple):
 class Simulation:
     """Simulates a loop. Its parameters can be changed between two runs, as on the graph.
 
-    Parameters that are only read at the start (initial state, seed, sample time) stay the same.
+    Those that are only read at the start (initial state, seed, sample times) cannot.
 
     Attributes:
         memory: The :class:`LoopMemory`, as a block.
@@ -130,8 +144,9 @@ class Simulation:
 
     @loop.setter
     def loop(self, loop: Loop) -> None:
+        _check_constant(self._loop, loop)
+        self.plant = changed_plant(self.memory["plant"], self._loop.plant, loop.plant)
         self._loop = loop
-        self.plant = design_plant(loop.plant)
         self.control_system = design_control_system(loop.estimator, loop.observer, loop.controller)
 
     def samples(self, seconds: float) -> int:

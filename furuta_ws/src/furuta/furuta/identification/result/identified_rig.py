@@ -15,8 +15,9 @@ from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSenso
 from furuta_hw.rigs.rig import Rig, RigLine
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
+from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError, build
+from furuta_model.parameters import build
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.sensors import Sensors
@@ -24,6 +25,7 @@ from furuta_recordings.bags.bag import parameter_file_of
 from furuta_recordings.recording import Recording
 from furuta_ros.parameter_files import read_sections
 from furuta_ros.whole_files import whole_file
+from furuta_sim.parameters import PlantParameters
 
 # Pendulum angle [rad] at which a rig stops that was allowed to hang while it was recorded.
 BALANCING_LIMIT = 0.75
@@ -31,6 +33,8 @@ BALANCING_LIMIT = 0.75
 RIG_NAMES = {"coulomb": "alpha0"}
 # Counts per turn of an encoder that stands for ideal sensors.
 MOST_COUNTS = 200_000
+# Bits of a converter that stands for one without steps.
+MOST_BITS = 16
 # Sample times are whole multiples of this [s].
 TIME_STEP = 1e-4
 
@@ -136,37 +140,40 @@ def write_rig(
 def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig, str]:
     """Sensors, sample time and drive of the rig of a recording, and where they come from.
 
-    They are those of the parameters that are stored in our own bags, else the paper's.
+    They are those of the parameters that are stored in our own bags, else the paper's. Raises
+    :class:`ParameterError` if these parameters, or the rig file that they name, are not valid.
     """
-    try:
-        parameters = parameter_file_of(path)
-        given = read_sections(parameters) if parameters else []
-        sections = {section.key: section.parameters for section in given}
-        file = sections["hardware_bridge"]["rig"]
-        if not file:
-            return _rig_of_plant(sections["plant"]), "sensors and drive according to the bag"
+    parameters = parameter_file_of(path)
+    given = read_sections(parameters) if parameters else []
+    sections = {section.key.rpartition("/")[2]: section.parameters for section in given}
+    file = str(sections.get("hardware_bridge", {}).get("rig", ""))
+    if file and Path(file).is_file():
         return load_rig(Path(file)), f"sensors, line and limits of {file} (according to the bag)"
-    except (ParameterError, KeyError, TypeError, AttributeError, OSError):
-        time = max(TIME_STEP, round(round(recording.interval / TIME_STEP) * TIME_STEP, 9))
-        return Rig(line=RigLine(sample_time=time)), (
-            "sensors are not known: those of the paper's rig are written; name the rig's own with "
-            "--rig, or edit the file"
-        )
+    if not file and "plant" in sections:
+        return _rig_of_plant(sections["plant"]), "sensors and drive according to the bag"
+    reason = f"{file} is gone" if file else "sensors are not known"
+    time = max(TIME_STEP, round(round(recording.interval / TIME_STEP) * TIME_STEP, 9))
+    return Rig(line=RigLine(sample_time=time)), (
+        f"{reason}: those of the paper's rig are written; name the rig's own with --rig, or edit "
+        "the file"
+    )
 
 
 def _rig_of_plant(plant: dict[str, Any]) -> Rig:
     """A rig with the sensors and the drive of a simulated plant."""
     sensors: Sensors = build(Sensors, plant, "sensors.")
+    actuator: Actuator = build(Actuator, plant, "actuator.")
+    time = plant.get("sample_time", PlantParameters().sample_time)
 
-    def bits(given: float) -> int:
-        return min(max(int(given), 2), 16)
+    def bits(given: int) -> int:
+        return min(max(given or MOST_BITS, 2), MOST_BITS)
 
     return Rig(
-        arm=ArmEncoder(int(sensors.encoder_counts) or MOST_COUNTS),
+        arm=ArmEncoder(sensors.encoder_counts or MOST_COUNTS),
         speed=SpeedSensor(range=sensors.tachometer_range, bits=bits(sensors.tachometer_bits)),
         pendulum=PendulumSensor(
             range=sensors.potentiometer_range, bits=bits(sensors.potentiometer_bits)
         ),
-        drive=DriveConverter(plant["actuator.voltage_range"], bits(plant["actuator.bits"])),
-        line=RigLine(sample_time=plant["sample_time"]),
+        drive=DriveConverter(actuator.voltage_range, bits(actuator.bits)),
+        line=build(RigLine, {"line.sample_time": time}, "line."),
     )
