@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from furuta_bringup.options import HelpfulGroup
-from furuta_bringup.printing import printable
+from furuta_bringup.printing import print_in_any_encoding, printable
 from furuta_model.optional import missing
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
@@ -125,6 +125,7 @@ def run_verb() -> None:
     Its exit status is 0 (done), 1 (failed), 2 (wrong usage) or 130 (Ctrl-C). Each error is one line
     on standard error.
     """
+    print_in_any_encoding()
     logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
         status = furuta.main(prog_name="furuta", standalone_mode=False)

@@ -39,6 +39,8 @@ def command(
     """
     if attach and options:
         raise click.UsageError("--attach starts no graph: omit the options of furuta run")
+    from furuta_bringup.graph.processes import executable  # first: it needs ROS, as all here does
+
     if attach:
         os.nice(NICENESS)  # before any thread starts: each has its own
         from furuta_bringup.page.live_page import run_page
@@ -46,7 +48,6 @@ def command(
 
         run_page(PageServer(port), namespace, opens=not no_open)
         return
-    from furuta_bringup.graph.processes import executable
     from furuta_ros.process_start import child_environment
 
     furuta = str(executable("furuta_bringup", "furuta"))

@@ -25,7 +25,11 @@ def recover(bag: Path, out: Path) -> dict[str, object]:
             "copies a damaged .db3 file"
         )
     parameters = parameter_file_of(bag)
-    texts = {parameters.name: parameters.read_text(errors="replace")} if parameters else {}
+    texts = (
+        {parameters.name: parameters.read_text(encoding="utf-8", errors="replace")}
+        if parameters
+        else {}
+    )
     writer, problems = BagWriter(out, [], texts), list[str]()
     messages = sum(_copy(file, writer, problems) for file in files)
     writer.close()
