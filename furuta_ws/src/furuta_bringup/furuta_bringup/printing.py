@@ -115,11 +115,13 @@ def with_progress(
     title: str, items: Iterable[Item], size: int, quiet: bool = False
 ) -> Iterator[Item]:
     """The items, with a bar on the terminal that advances with each of them."""
+    if quiet or not sys.stderr.isatty():
+        yield from items
+        return
     from rich.console import Console
     from rich.progress import Progress
 
-    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
-    with Progress(console=console, transient=True) as progress:
+    with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(title, total=size)
         for item in items:
             yield item
