@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from furuta_bringup.graph.children import Children
-from furuta_bringup.graph.graph_plan import Graph
+from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_model.accepted_parts import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
@@ -96,6 +96,7 @@ def _run(graph: Graph, stop: StopSignal, recorder: RecorderNode | None = None) -
     try:
         for node in node_processes(graph):
             started.start(node.name, node.command)
+        tell_running(graph)
         while not (stop() or started.any_has_ended()):
             collect()
             sleep(CHECK_PERIOD)
