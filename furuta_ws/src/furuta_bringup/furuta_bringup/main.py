@@ -53,8 +53,8 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     of_ros = (
         name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
     )
-    ros = "ROS 2 Jazzy, or on Linux x86-64 pip install 'furuta[ros]'" if of_ros else ""
-    return UserError(missing(name, f"furuta {verb}", ros))
+    ros = "ROS 2 Jazzy, or on Linux x86-64 pip install '.[ros]' in a clone of the repository"
+    return UserError(missing(name, f"furuta {verb}", ros if of_ros else ""))
 
 
 class Verbs(HelpfulGroup):
