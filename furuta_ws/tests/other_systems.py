@@ -1,9 +1,9 @@
 """Runs verbs in this process as on Windows (win32) or macOS (darwin), as far as Linux can show it.
 
-What the standard library has on Linux alone is taken away; typeshed says what that is. A
-text file is opened only with its encoding. ROS is not installed. What other packages do there stays
-untried.
-Usage: python other_systems.py PLATFORM VERBS, where VERBS is JSON, a list of lists of arguments.
+What the standard library has on Linux alone is taken away; typeshed says what that is. A text
+file is opened only with its encoding. What other packages do there stays untried.
+Usage: python other_systems.py PLATFORM ROS VERBS, where ROS says whether ROS is installed (with,
+without) and VERBS is JSON, a list of lists of arguments.
 """
 
 import ast
@@ -27,11 +27,13 @@ OTHERS = ("numba", "scipy.optimize", "matplotlib.pyplot", "rosbags.rosbag2", "mc
 OTHERS += ("control", "serial", "concurrent.futures.process", "multiprocessing.popen_spawn_posix")
 
 
-def run(platform: str, verbs: list[list[str]]) -> None:
+def run(platform: str, ros: str, verbs: list[list[str]]) -> None:
     """Print for each verb a line of JSON: its exit status, and an unexpected exception."""
     for name in OTHERS:
         importlib.import_module(name)
     take_away(platform)
+    for name in ROS if ros == "without" else ():
+        sys.modules[name] = None  # type: ignore[assignment]
     warnings.filterwarnings("error", category=EncodingWarning, module="furuta")
     main = importlib.import_module("furuta_bringup.main")
     for arguments in verbs:
@@ -53,11 +55,11 @@ def take_away(platform: str) -> None:
         there, here = stub_names(name, platform), stub_names(name, "linux")
         if here and not there:
             sys.modules[name] = None  # type: ignore[assignment]
-        elif missing := [each for each in here - there if hasattr(sys.modules.get(name), each)]:
-            for each in missing:
-                delattr(sys.modules[name], each)
-    for name in ROS:
-        sys.modules[name] = None  # type: ignore[assignment]
+            continue
+        module = importlib.import_module(name)
+        for each in here - there:
+            if hasattr(module, each):
+                delattr(module, each)
     importlib.reload(tempfile)  # it looks at its import for what there is
     multiprocessing.set_start_method("spawn")
     if platform == "win32":
@@ -89,4 +91,4 @@ def _declared(body: list[ast.stmt], platform: str) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    run(sys.argv[1], json.loads(sys.argv[2]))
+    run(sys.argv[1], sys.argv[2], json.loads(sys.argv[3]))

@@ -22,33 +22,36 @@ bag replay bag; tune --running"""
 
 
 @pytest.mark.parametrize(
-    ("platform", "verbs", "status"),
+    ("platform", "ros", "verbs", "reason"),
     [
-        ("darwin", ON_ALL_CORES, 0),
-        ("win32", f"{ON_ALL_CORES}; {OTHERS}", 0),
-        ("win32", NEED_ROS, 1),
+        ("darwin", "without", ON_ALL_CORES, ""),
+        ("win32", "without", f"{ON_ALL_CORES}; {OTHERS}", ""),
+        ("win32", "without", NEED_ROS, "is not installed: ROS 2 Jazzy, or on Linux"),
+        ("win32", "with", "run; view --no-open; view --attach", "needs Linux, whose Python has"),
     ],
 )
 def test_verbs_without_what_only_linux_has(
-    platform: str, verbs: str, status: int, tmp_path: Path
+    platform: str, ros: str, verbs: str, reason: str, tmp_path: Path
 ) -> None:
-    """In one process: each works, or says in one line that it needs ROS 2."""
+    """In one process: each works, or says in one line what it needs."""
     messages = [(k * 10**7, k * 10**7, {"elbow": (0.1 * k, 0.0, 1.0)}) for k in range(1, 100)]
     joint_bag(tmp_path / "bag", messages, StoragePlugin.MCAP)
     given = verbs.replace("\n", "; ").split("; ")
-    statuses, lines = run(platform, given, tmp_path)
-    assert statuses == dict.fromkeys(given, status), lines
+    statuses, lines = run(platform, ros, given, tmp_path)
+    assert statuses == dict.fromkeys(given, int(bool(reason))), lines
     errors = [line for line in lines if line.startswith("error: ")]
-    assert len(errors) == status * len(given)
-    assert all("not installed: ROS 2 Jazzy, or on Linux" in line for line in errors)
+    assert len(errors) == len(given) * bool(reason)
+    assert all(reason in line for line in errors)
 
 
-def run(platform: str, verbs: list[str], folder: Path) -> tuple[dict[str, object], list[str]]:
+def run(
+    platform: str, ros: str, verbs: list[str], folder: Path
+) -> tuple[dict[str, object], list[str]]:
     """The exit status of each verb, and all other lines on standard error."""
     script = [sys.executable, "-X", "warn_default_encoding", str(TESTS / "other_systems.py")]
     arguments = json.dumps([verb.split() for verb in verbs])
     done = subprocess.run(
-        [*script, platform, arguments], cwd=folder, capture_output=True, text=True, check=True
+        [*script, platform, ros, arguments], cwd=folder, capture_output=True, text=True, check=True
     )
     lines = done.stderr.splitlines()
     found = dict(json.loads(line) for line in lines if line.startswith('["'))

@@ -50,6 +50,8 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     if (error.name or "").startswith("furuta"):
         return error
     name = (error.name or "").partition(".")[0]
+    if name in sys.stdlib_module_names:
+        return UserError(f"furuta {verb} needs Linux, whose Python has the module {name}")
     of_ros = (
         name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
     )
@@ -140,6 +142,11 @@ def run_verb() -> None:
         status = _fail(f"{file}{error.strerror}")
     except MemoryError:
         status = _fail("not enough memory")
+    except AttributeError as error:
+        module = getattr(error.obj, "__name__", "")
+        if module not in sys.stdlib_module_names:
+            raise
+        status = _fail(f"this needs Linux, whose Python has {module}.{error.name}")
     sys.exit(status or 0)
 
 
