@@ -31,6 +31,7 @@ def run_simulated(
     """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed."""
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
+        tell_running(graph)
         spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
         print(plant.summary())
 
@@ -50,6 +51,7 @@ def run_hardware(
         stop, bridge = StopSignal(), running.bridge
         if bridge.start_up():
             raise SystemExit(1)  # the bridge has logged the reason
+        tell_running(graph)
         is_over = _time_limit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
@@ -99,7 +101,6 @@ def _running(
     with ros_context(namespace=graph.namespace):
         composed = make(graph.settings, record=record, without=graph.without)
         try:
-            tell_running(graph)
             yield composed
         finally:
             composed.end_recording()
