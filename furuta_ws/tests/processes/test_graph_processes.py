@@ -161,6 +161,7 @@ def test_a_second_graph_does_not_start(processes: Any) -> None:
     assert "a graph already runs in namespace / of ROS domain" in err
     assert "computer: furuta view --attach shows it; or end it" in err
     assert (status, "", err) == processes.run("view", "--no-open")  # no address of a dead page
+    assert (status, "", err) == processes.run("run", "--processes")
     assert first.poll() is None
     first.send_signal(signal.SIGKILL)
     first.wait()

@@ -14,6 +14,7 @@ from furuta_model.accepted_parts import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
+from furuta_ros.one_graph import claim, ros_domain
 from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.spinning import fail
 
@@ -79,6 +80,7 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     This process records, if ``record`` is given. The status is that of the first node that failed,
     with a line on standard error for each such node; it is 1 if the recording ended early.
     """
+    claim(ros_domain(), graph.namespace or "/").close()  # its plant claims it for good
     if record is None:
         return _run(graph, stop)
     with ros_context(namespace=graph.namespace):
