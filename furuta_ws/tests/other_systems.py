@@ -81,7 +81,7 @@ def _declared(body: list[ast.stmt], platform: str) -> Iterator[str]:
         if isinstance(node, ast.If):
             true = eval(compile(ast.Expression(node.test), "typeshed", "eval"), {"sys": about})
             yield from _declared(node.body if true else node.orelse, platform)
-        elif isinstance(node, ast.ImportFrom):
+        elif isinstance(node, ast.ImportFrom) and node.module in ("_socket", "_ctypes"):
             yield from (each.asname or each.name for each in node.names)
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             yield node.name

@@ -3,13 +3,17 @@
 Discovery cannot tell in time: it may take seconds until a node lists those of another process.
 """
 
+from __future__ import annotations
+
 import os
 import socket
-
-from rclpy.node import Node
+from typing import TYPE_CHECKING
 
 from furuta_ros.discovery import is_private
 from furuta_ros.errors import UserError
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 # Longest name of a socket in bytes (sun_path of unix(7), without its first byte).
 LONGEST = 107
