@@ -72,11 +72,13 @@ wheel:
 		--no-build-isolation --wheel-dir output/wheel .
 	@ls output/wheel/*.whl
 
-# make course opens JupyterLab with the exercises; CHECK=1 runs all solutions instead.
+# make course opens JupyterLab with the exercises; CHECK=1 runs all solutions instead. Root, the user of
+# most containers, must allow itself. The server listens on localhost only, and asks for a token.
 course:
 	tools/in_environment tools/install course/requirements.lock
 	tools/in_environment python course/notebooks.py $(if $(CHECK),check,write) output/course
-	$(if $(CHECK),,tools/in_environment jupyter lab --notebook-dir output/course/exercises)
+	$(if $(CHECK),,tools/in_environment jupyter lab --notebook-dir output/course/exercises \
+		$(if $(filter 0,$(shell id -u)),--allow-root))
 
 # Random events for nodes, rig and loops, for so many examples of each.
 EXAMPLES ?= 50

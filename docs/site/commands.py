@@ -43,6 +43,7 @@ NOT_RUN = {
     r"\b(log|step|sine|swing)\.csv": "needs a recording of another rig",
     r"\bmine\.yaml\b": "needs a file of a rig of one's own",
     r"broken_bag": "needs a damaged bag",
+    r"robot\.bag": "needs a bag of ROS 1",
     r"tcp://": "needs a cluster",
     r"^pip install": "tests/workspace/test_wheel.py installs the wheel",
 }

@@ -3,17 +3,19 @@
 from pathlib import Path
 
 import numpy as np
-from rosbags.rosbag2 import Writer
+from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 
 def joint_bag(
-    path: Path, messages: list[tuple[int, int, dict[str, tuple[float, ...]] | float]]
+    path: Path,
+    messages: list[tuple[int, int, dict[str, tuple[float, ...]] | float]],
+    storage: StoragePlugin = StoragePlugin.SQLITE3,
 ) -> Path:
     """A bag of messages (arrival, stamp [ns], content): joints with their numbers, or a command."""
     types = get_typestore(Stores.ROS2_JAZZY)
     make = types.types.__getitem__
-    with Writer(path, version=9) as writer:
+    with Writer(path, version=9, storage_plugin=storage) as writer:
         kinds = ("sensor_msgs/msg/JointState", "std_msgs/msg/Float64")
         states, command = (
             writer.add_connection(topic, kind, typestore=types)

@@ -28,7 +28,7 @@ def modules(package: str) -> list[Path]:
 def imports(file: Path) -> set[str]:
     """Top-level names of the packages that a file imports."""
     names = set()
-    for node in ast.walk(ast.parse(file.read_text())):
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:

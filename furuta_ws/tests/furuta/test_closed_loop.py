@@ -1,5 +1,8 @@
 """The closed loop, compared with independent results and with the paper."""
 
+import signal
+from typing import Any
+
 import control
 import numpy as np
 import pytest
@@ -17,6 +20,7 @@ from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import linearize
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
+from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Simulation, simulate
 
 # Two independent codes agree on these: continuous feedback of the exact state.
@@ -161,3 +165,40 @@ def test_poles_and_process_noise_of_the_qube() -> None:
         run = outcome(loop, 30.0)
         assert not run.fell
         assert run.phi_peak_to_peak_rad < 0.03
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"compensation": "lugre", "plant.drive.delay": 3, "plant.drive.lag": 0.01},
+        {"super_twisting": 2.0, "coupling.frequency": 40.0, "friction.law": "maxwell_slip"},
+        {"estimator.method": "lowpass", "sample_time": 0.002},
+        {"compensation": lambda memory, x, p: 0.1 * x[1]},
+    ],
+)
+def test_a_run_in_blocks_has_the_same_bits(
+    settings: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also if the last block is short; what shows the progress gets the blocks."""
+    loop, given = make_loop(settings), list[range]()
+    monkeypatch.setattr(closed_loop, "BLOCK_SECONDS", 100.0)
+    whole = Simulation(loop).run(3.0)
+    monkeypatch.setattr(closed_loop, "BLOCK_SECONDS", 0.35)
+    parts = Simulation(loop).run(3.0, lambda blocks: given.append(blocks) or blocks)
+    assert len(given[0]) == 9
+    for one, other in zip(whole[1:], parts[1:], strict=True):
+        assert one.tobytes() == other.tobytes()
+
+
+def test_an_interrupt_ends_a_run_after_its_block(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python sees Ctrl-C between two calls of compiled code only."""
+    blocks = []
+
+    def run(*arguments: Any) -> None:
+        blocks.append(len(arguments[-1].command))
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(closed_loop, "_run", run)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(Loop(), 1000.0)
+    assert blocks == [20_000]

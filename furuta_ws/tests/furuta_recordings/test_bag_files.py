@@ -1,6 +1,8 @@
 """Bag files: complete messages are recovered whatever ends the writer; series of other rigs."""
 
 import resource
+import shlex
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -15,7 +17,9 @@ import numpy as np
 import pytest
 from joint_bags import joint_bag
 from mcap.reader import NonSeekingReader, make_reader
+from mcap.writer import Writer as McapWriter
 from rosbags.highlevel import AnyReader
+from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -231,7 +235,7 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.mcap").write_text("no bag" * 20)
     for path, words in (
-        (tmp_path / "empty", "it has no metadata.yaml"),
+        (tmp_path / "empty", "it has neither metadata.yaml nor a file .mcap or .db3"),
         (tmp_path / "text.mcap", "File magic is invalid"),
     ):
         with pytest.raises(ParameterError, match=words) as error:
@@ -246,6 +250,78 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
         for path in (bag, bag / "sqlite.db3"):
             with pytest.raises(ParameterError, match="wal holds messages; `sqlite3 "):
                 times(path)
+
+
+@pytest.mark.parametrize("storage", list(StoragePlugin))
+def test_one_file_without_metadata_is_read(storage: StoragePlugin, tmp_path: Path) -> None:
+    """Of several files the order is unknown: the error names what makes the metadata anew."""
+    bag = written_by_another(tmp_path / "bag", storage)
+    expected = times(bag)
+    (bag / "metadata.yaml").unlink()
+    assert times(bag) == expected
+    (file,) = bag.iterdir()
+    shutil.copy(file, file.with_stem("bag_1"))
+    remedy = "furuta bag recover" if storage is StoragePlugin.MCAP else f"ros2 bag reindex {bag}"
+    with pytest.raises(ParameterError, match=f"it has no metadata.yaml .*`{remedy}`"):
+        times(bag)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "name", "profile"),
+    [("json", "JSON", ""), ("json", "JSON", "ros2"), ("protobuf", "Protobuf", ""),
+     ("ros1", "ROS 1", "ros1"), ("cbor", "'cbor'", "")],
+)  # fmt: skip
+def test_messages_of_another_kind_are_named(
+    encoding: str, name: str, profile: str, tmp_path: Path
+) -> None:
+    """To read them and to recover them; beside messages of ROS 2 only these are recovered."""
+    for file, with_ros in ((tmp_path / "foreign.mcap", False), (tmp_path / "both.mcap", True)):
+        with file.open("wb") as stream:
+            writer = McapWriter(stream)
+            writer.start(profile)
+            schema = writer.register_schema("a.B", "jsonschema", b"{}")
+            channels = [writer.register_channel("/other", encoding, schema)]
+            if with_ros:
+                float64 = writer.register_schema("std_msgs/msg/Float64", "ros2msg", b"float64 data")
+                channels.append(writer.register_channel("/a", "cdr", float64))
+            for time in range(10):
+                for channel in channels:
+                    writer.add_message(channel, time, DATA, time)
+            writer.finish()
+    with pytest.raises(ParameterError) as error:
+        read_axis(tmp_path / "foreign.mcap")
+    assert str(error.value).endswith(f"not a readable bag: its messages are {name}, not ROS 2")
+    with pytest.raises(ParameterError, match=f"/other, whose messages are {name}, not ROS 2"):
+        recover(tmp_path / "foreign.mcap", tmp_path / "recovered")
+    result = recover(tmp_path / "both.mcap", tmp_path / "recovered")
+    assert result["problems"] == [
+        f"both.mcap: left out /other, whose messages are {name}, not ROS 2"
+    ]
+    assert times(tmp_path / "recovered") == list(range(10))
+
+
+def test_a_bag_of_ros_1_is_converted_by_what_the_error_names(tmp_path: Path) -> None:
+    """The command comes with rosbags; the bag that it makes has the same messages."""
+    path, types = tmp_path / "robot 1.bag", get_typestore(Stores.ROS1_NOETIC)
+    make = types.types.__getitem__
+    with Ros1Writer(path) as writer:
+        states = writer.add_connection("/js", "sensor_msgs/msg/JointState", typestore=types)
+        for time in range(1, 100):
+            header = make("std_msgs/msg/Header")(
+                0, make("builtin_interfaces/msg/Time")(0, time), ""
+            )
+            numbers = np.array([0.1 * time]), np.zeros(0), np.ones(1)
+            message = make(states.msgtype)(header, ["elbow"], *numbers)
+            writer.write(states, time, types.serialize_ros1(message, states.msgtype))
+    for reads in (read_axis, Bag.__enter__):
+        with pytest.raises(ParameterError, match="is a ROS 1 bag; `rosbags-convert") as error:
+            reads(path if reads is read_axis else Bag(path))
+    command = shlex.split(str(error.value).split("`")[1])
+    subprocess.run(command, check=True)
+    with Bag(tmp_path / "robot 1_ros2") as converted:
+        last = list(converted.messages())[-1]
+        assert converted.deserialize(last[2], last[0].msgtype).position == [pytest.approx(9.9)]
+    assert last[1] == 99
 
 
 BEGIN, BOOT = 1_700_000_000_000_000_000, 7_000_000_000

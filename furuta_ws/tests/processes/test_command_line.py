@@ -3,8 +3,9 @@
 import json
 import subprocess
 import sys
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -141,6 +142,35 @@ def test_bad_input_is_one_line(
     assert (status, out, len(err.splitlines())) == (expected, "", 1), err
     assert reason in err
     assert Path("mine.csv").read_text() == "mine"
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "cp437", "latin-1", "cp932", "utf-8"])
+def test_every_encoding_of_the_output_has_all_texts(
+    encoding: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """It spells what it lacks; a parameter file is in UTF-8, as it is read again."""
+    for verb in (["linearize"], *([verb, "--help"] for verb in main.VERBS)):
+        text = printed(monkeypatch, encoding, *verb).decode(encoding)
+        assert "Usage" in text or "poles" in text
+        assert "\\u" not in text
+    assert "(per 2pi m" in printed(monkeypatch, "cp1252", "axis", "--help").decode("cp1252")
+    file = tmp_path / "parameters.yaml"
+    file.write_bytes(printed(monkeypatch, encoding, "param", "defaults", "controller"))
+    given = file.read_bytes().decode("utf-8")
+    file.write_bytes(given.encode("utf-16"))  # as a shell of Windows redirects it
+    printed(monkeypatch, encoding, "linearize", "--params", str(file))
+
+
+def printed(monkeypatch: pytest.MonkeyPatch, encoding: str, *arguments: str) -> bytes:
+    """What a verb writes to a file of this encoding; it succeeds."""
+    stream = TextIOWrapper(BytesIO(), encoding)
+    monkeypatch.setattr(sys, "stdout", stream)
+    monkeypatch.setattr(sys, "argv", ["furuta", *arguments])
+    with pytest.raises(SystemExit) as ended:
+        main.run_verb()
+    assert not ended.value.code
+    stream.flush()
+    return cast("BytesIO", stream.buffer).getvalue()
 
 
 def test_a_name_that_means_several_parameters(furuta: Any) -> None:

@@ -83,7 +83,9 @@ def test_run_records_all_topics(furuta: Any, tmp_path: Path) -> None:
     bag = tmp_path / "bag"
     status, out, err = furuta("run", "--lockstep", "--seconds", "0.5", "--record", bag)
     assert status == 0, err
-    assert "500 samples" in out
+    assert out == "500 samples, 0.500 s\n"
+    assert "running: simulation in lock-step, namespace /, ROS domain" in err
+    assert "Ctrl-C ends it, furuta view --attach shows it\n" in err
     with AnyReader([bag]) as reader:
         counts = {c.topic.lstrip("/"): c.msgcount for c in reader.connections}
     del counts["rosout"]  # as many as the nodes log
@@ -100,8 +102,9 @@ def test_processes_are_recorded(processes: Any, tmp_path: Path) -> None:
     )
     wait_for(lambda: messages(bag))
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate()
+    out, err = process.communicate()
     assert process.returncode == 0, err
+    assert " samples, " in out
     with AnyReader([bag]) as reader:
         changes = {"/parameter_events", "/active_mode", "/rosout"}
         assert {c.topic for c in reader.connections} == {"/command", *changes}
@@ -156,11 +159,25 @@ def test_a_second_graph_does_not_start(processes: Any) -> None:
     status, _, err = processes.run("run", "--lockstep")
     assert status == 1
     assert "a graph already runs in namespace / of ROS domain" in err
+    assert "computer: furuta view --attach shows it; or end it" in err
+    assert (status, "", err) == processes.run("view", "--no-open")  # no address of a dead page
+    assert (status, "", err) == processes.run("run", "--processes")
     assert first.poll() is None
     first.send_signal(signal.SIGKILL)
     first.wait()
     status, out, err = processes.run("run", "--lockstep", "--seconds", "2")
     assert (status, out) == (0, "2000 samples, 2.000 s\n"), err
+
+
+def test_a_plant_of_its_own_process_prints_its_counts(processes: Any) -> None:
+    """As ``run`` does: its parent may be ``run --processes`` or ``ros2 launch``."""
+    plant = processes.ready_node("plant")
+    plant.send_signal(signal.SIGINT)
+    out, _ = plant.communicate()
+    count, on_time, latency, lateness = out.splitlines()
+    assert " samples, " in count
+    assert "0.00% of " in on_time
+    assert (latency.split()[0], lateness.split()[0]) == ("latency", "lateness")
 
 
 def test_recorder_refuses(processes: Any) -> None:

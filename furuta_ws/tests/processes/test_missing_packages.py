@@ -35,7 +35,7 @@ def remove(
         ("pyarrow", "simulate --seconds 1 --out run.parquet", "pip install"),
         ("matplotlib", "simulate --seconds 1 --out run.png", "pip install matplotlib"),
         ("ziglang", "hw emulate --firmware", "ziglang"),
-        ("rclpy", "run", "ROS 2 Jazzy, or on Linux x86-64 pip install 'furuta[ros]'"),
+        ("rclpy", "run", "ROS 2 Jazzy, or on Linux x86-64 pip install '.[ros]'"),
     ],
 )
 def test_a_verb(

@@ -76,6 +76,23 @@ def test_interrupt_during_the_start(processes: Any, command: tuple[str, ...], st
     assert (status, out, err.strip()) == (130, "", "")
 
 
+def test_a_long_simulation_shows_its_progress_and_ends_at_once(processes: Any) -> None:
+    """By Ctrl-C, on a terminal."""
+    terminal, inner = os.openpty()
+    command = [str(executable(*FURUTA)), "simulate", "--seconds", "20000"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=inner)
+    os.close(inner)
+    shown = b""
+    while b"simulating" not in shown:
+        shown += os.read(terminal, 1000)
+    process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=TIMEOUT)
+    while b"interrupted" not in shown:
+        shown += os.read(terminal, 1000)
+    os.close(terminal)
+    assert (process.returncode, out) == (130, b"")
+
+
 def test_every_executable_starts_with_interrupts_blocked() -> None:
     """Python would answer SIGINT with a traceback before the first line of the executable runs."""
     names = [*((each.package, each.executable) for each in NODES.values()), FURUTA]

@@ -38,6 +38,12 @@ def started(processes: Any, *arguments: str) -> tuple[Any, str]:
     return process, address
 
 
+def test_a_wrong_option_of_the_graph_is_told_before_any_address(processes: Any) -> None:
+    status, out, err = processes.run("view", "--no-open", "--", "--lockstp")
+    assert (status, out) == (2, "")
+    assert "--lockstep" in err
+
+
 def children(parent: int) -> dict[int, str]:
     """Child processes with their command lines."""
     found = {}

@@ -2,7 +2,10 @@
 
 import ast
 import importlib.util
+import os
 import re
+import subprocess
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -36,3 +39,18 @@ def test_code_uses_what_the_library_has(name: str) -> None:
         used = set(re.findall(rf"\b{module}\.(\w+)", code))
         assert used <= set(furuta.__all__), used
     assert exercise != solution
+
+
+@pytest.mark.parametrize(("user", "allowed"), [("0", True), ("1000", False)])
+def test_the_course_starts_as_root_too(
+    user: str, allowed: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Jupyter refuses root, the user of most containers, unless it is allowed."""
+    (tmp_path / "id").write_text(f"#!/bin/sh\necho {user}\n", encoding="utf-8")
+    (tmp_path / "id").chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    done = subprocess.run(
+        ["make", "--dry-run", "course"], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert "jupyter lab" in done.stdout
+    assert ("--allow-root" in done.stdout) == allowed

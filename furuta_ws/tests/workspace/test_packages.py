@@ -2,6 +2,7 @@
 
 import ast
 import os
+import re
 import stat
 import subprocess
 import sys
@@ -142,3 +143,15 @@ def test_lint_and_types(command: str) -> None:
     """The house style holds."""
     done = subprocess.run(command.split(), cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_nothing_names_what_others_may_own() -> None:
+    """No package of a registry, repository or address with our name: they are not ours."""
+    folders = [SOURCES, *(ROOT / name for name in ("docs", "course", "examples", "tools"))]
+    suffixes = {".py", ".md", ".xml", ".cfg", ".properties", ".yaml", ".toml", ".in", ".cff", ""}
+    files = [*ROOT.iterdir(), *(file for folder in folders for file in folder.rglob("*"))]
+    strange = re.compile(r"pip install '?furuta(\[|\b(?!-))|github\.com/furuta|noreply")
+    for file in files:
+        if file.is_file() and file.suffix in suffixes and file.name != ".git":
+            text = file.read_text(encoding="utf-8", errors="replace")
+            assert not strange.search(text), file

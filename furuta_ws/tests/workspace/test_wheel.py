@@ -96,5 +96,5 @@ def test_wheel_works_without_ros(wheel: Path, tmp_path: Path) -> None:
     assert "paper paper_full_turn qube_servo_2" in about
     assert {"simulate", "limit-cycle", "identify", "sweep", "bag"} <= set(verbs.split())
     assert view.startswith("furuta view needs ") and ", which is not installed: " in view
-    assert view.endswith("pip install 'furuta[ros]'")
+    assert view.endswith("pip install '.[ros]' in a clone of the repository")
     assert version == f"furuta {manifest('furuta').findtext('version')}"

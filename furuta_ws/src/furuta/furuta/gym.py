@@ -8,7 +8,7 @@ any part. The observation is φ [rad], φ̇ [rad/s], sin θ and cos θ, as the s
 the last action. θ̇ is not measured. The action is the command as a fraction of ``VOLTAGE``. The
 reward of a sample is cos θ − φ²/10 − u²/100. An episode ends beyond the limits of the arm, and in
 task ``balance`` beyond ``FALL_ANGLE``. gymnasium is not among the library's requirements
-(``pip install furuta[gym]``).
+(``pip install '.[gym]'`` in the folder of this repository).
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from furuta_bringup.options import HelpfulGroup
-from furuta_bringup.printing import printable
+from furuta_bringup.printing import print_in_any_encoding, printable
 from furuta_model.optional import missing
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
@@ -50,11 +50,13 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     if (error.name or "").startswith("furuta"):
         return error
     name = (error.name or "").partition(".")[0]
+    if name in sys.stdlib_module_names:
+        return UserError(f"furuta {verb} needs Linux, whose Python has the module {name}")
     of_ros = (
         name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
     )
-    ros = "ROS 2 Jazzy, or on Linux x86-64 pip install 'furuta[ros]'" if of_ros else ""
-    return UserError(missing(name, f"furuta {verb}", ros))
+    ros = "ROS 2 Jazzy, or on Linux x86-64 pip install '.[ros]' in a clone of the repository"
+    return UserError(missing(name, f"furuta {verb}", ros if of_ros else ""))
 
 
 class Verbs(HelpfulGroup):
@@ -125,6 +127,7 @@ def run_verb() -> None:
     Its exit status is 0 (done), 1 (failed), 2 (wrong usage) or 130 (Ctrl-C). Each error is one line
     on standard error.
     """
+    print_in_any_encoding()
     logging.basicConfig(format="%(levelname)s: %(message)s")
     try:
         status = furuta.main(prog_name="furuta", standalone_mode=False)
@@ -139,6 +142,11 @@ def run_verb() -> None:
         status = _fail(f"{file}{error.strerror}")
     except MemoryError:
         status = _fail("not enough memory")
+    except AttributeError as error:
+        module = getattr(error.obj, "__name__", "")
+        if module not in sys.stdlib_module_names:
+            raise
+        status = _fail(f"this needs Linux, whose Python has {module}.{error.name}")
     sys.exit(status or 0)
 
 

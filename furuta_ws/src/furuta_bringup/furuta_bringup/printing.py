@@ -1,9 +1,12 @@
 """Prints results as JSON or for people, tables and progress, with text fit for the terminal."""
 
+import codecs
 import json
 import math
 import sys
+import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
+from io import TextIOWrapper
 from typing import Any, TypeVar
 
 Item = TypeVar("Item")
@@ -13,6 +16,41 @@ LONGEST_LINE = 2000
 WIDEST = 10_000  # of a table [characters]
 # Names whose values are lists of complex numbers, as real and imaginary part.
 COMPLEX = ("poles", "zeros", "multipliers")
+# How to spell signs in an encoding that lacks them; Greek letters have their names.
+SPELLINGS = {"≤": "<=", "≥": ">=", "→": "->", "−": "-", "–": "-", "·": "*", "±": "+-", "°": "deg"}
+SPELLINGS |= {"\N{COMBINING CIRCUMFLEX ACCENT}": "^", "\N{COMBINING DOT ABOVE}": "'", "μ": "u"}
+
+
+def print_in_any_encoding() -> None:
+    """Spell what the encoding of an output lacks: a file on Windows has no ω, but can say omega."""
+    codecs.register_error("spelled", _spelled)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="spelled")
+
+
+def _spelled(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeEncodeError)
+    text = unicodedata.normalize("NFKD", error.object[error.start : error.end])
+    return "".join(map(_spelling, text)), error.end
+
+
+def _spelling(char: str) -> str:
+    if char.isascii() or char in SPELLINGS:
+        return SPELLINGS.get(char, char)
+    if unicodedata.combining(char):
+        return ""
+    name = unicodedata.name(char, "").lower().split()
+    if name[:1] == ["greek"]:
+        return name[3] if char.islower() else name[3].capitalize()
+    return ascii(char)[1:-1]
+
+
+def print_file(text: str) -> None:
+    """Print the content of a text file: in UTF-8, as files are read, unless on a terminal."""
+    if isinstance(sys.stdout, TextIOWrapper) and not sys.stdout.isatty():
+        sys.stdout.reconfigure(encoding="utf-8")
+    print(text, end="")
 
 
 def printable(text: str) -> str:
@@ -77,11 +115,13 @@ def with_progress(
     title: str, items: Iterable[Item], size: int, quiet: bool = False
 ) -> Iterator[Item]:
     """The items, with a bar on the terminal that advances with each of them."""
+    if quiet or not sys.stderr.isatty():
+        yield from items
+        return
     from rich.console import Console
     from rich.progress import Progress
 
-    console = Console(stderr=True, quiet=quiet or not sys.stderr.isatty())
-    with Progress(console=console, transient=True) as progress:
+    with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task(title, total=size)
         for item in items:
             yield item

@@ -103,7 +103,7 @@ def parquet_library() -> tuple[Any, Any]:
 
 def _write_csv(path: Path, columns: Columns) -> None:
     """Numbers have the fewest digits from which they are read back exactly."""
-    with path.open("w", newline="") as file:
+    with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows(zip(*(each.tolist() for each in columns.values()), strict=True))

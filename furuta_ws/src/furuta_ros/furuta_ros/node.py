@@ -79,6 +79,10 @@ class FurutaNode(Node, Generic[Group]):
         """Do what is left when the node is about to spin; returns why it is not ready, if so."""
         return ""
 
+    def summary(self) -> str:
+        """What its process prints when it ends, in lines; empty by default."""
+        return ""
+
     def subscribe_to(
         self, topic: Topic, receive: Callable[[bytes], None], qos: QoSProfile = QOS
     ) -> None:

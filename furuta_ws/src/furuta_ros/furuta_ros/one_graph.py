@@ -3,35 +3,56 @@
 Discovery cannot tell in time: it may take seconds until a node lists those of another process.
 """
 
+from __future__ import annotations
+
 import os
 import socket
-
-from rclpy.node import Node
+from typing import TYPE_CHECKING
 
 from furuta_ros.discovery import is_private
 from furuta_ros.errors import UserError
+
+if TYPE_CHECKING:
+    from rclpy.node import Node
 
 # Longest name of a socket in bytes (sun_path of unix(7), without its first byte).
 LONGEST = 107
 
 
 def claim_graph(node: Node) -> socket.socket:
-    """Claim the graph of the node's namespace and domain until the socket is closed.
+    """Claim the graph of the node's namespace and domain (:func:`claim`)."""
+    return claim(node.context.get_domain_id(), node.get_namespace())
+
+
+def ros_domain() -> int:
+    """The ROS domain of a process that has not started ROS yet."""
+    given = os.environ.get("ROS_DOMAIN_ID", "")
+    return int(given) if given.isdecimal() else 0
+
+
+def claim(domain: int, namespace: str) -> socket.socket:
+    """Claim the graph of a namespace and domain until the socket is closed.
 
     The name of an abstract socket is free again as soon as its process ends, whatever ends it.
 
     Raises:
         UserError: A graph has claimed it.
     """
-    domain, namespace = node.context.get_domain_id(), node.get_namespace()
     name = f"furuta graph {os.getpid() if is_private() else domain} {namespace}"
-    claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    claimed = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     try:
-        claim.bind(b"\0" + name.encode()[:LONGEST])
+        claimed.bind(b"\0" + name.encode()[:LONGEST])
     except OSError:
-        claim.close()
+        claimed.close()
         raise UserError(
             f"a graph already runs in namespace {namespace} of ROS domain {domain} on this "
-            "computer: end it, or choose another namespace or ROS_DOMAIN_ID"
+            f"computer: {view_command(namespace)} shows it; or end it, or choose another namespace "
+            "or ROS_DOMAIN_ID"
         ) from None
-    return claim
+    return claimed
+
+
+def view_command(namespace: str) -> str:
+    """The command that shows a graph that runs."""
+    name = namespace.strip("/")
+    return "furuta view --attach" + f" --namespace {name}" * bool(name)

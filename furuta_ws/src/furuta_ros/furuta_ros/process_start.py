@@ -22,7 +22,6 @@ AFTER_INTERRUPT = b"\n\x1b[?25hinterrupted\n"
 PARENT = "FURUTA_PARENT"
 # Of prctl(2): the signal that a process receives when its parent ends.
 PR_SET_PDEATHSIG = 1
-_PRCTL = ctypes.CDLL(None).prctl
 
 
 def run_entry(entry: str) -> None:
@@ -56,7 +55,8 @@ def interrupt_raised() -> Iterator[None]:
 def set_interrupt_handler(handler: Callable[[int, FrameType | None], object]) -> None:
     """Set the handler of SIGINT, and let the signal through if it was blocked at the start."""
     signal.signal(signal.SIGINT, handler)
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    if hasattr(signal, "pthread_sigmask"):  # Windows has none, and blocks no signal
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
 
 
 def _exit(number: int, frame: FrameType | None) -> None:
@@ -91,6 +91,6 @@ def end_with_parent() -> None:
     parent = os.environ.pop(PARENT, None)
     if parent is None:
         return
-    _PRCTL(PR_SET_PDEATHSIG, signal.SIGTERM)
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != int(parent):  # it has ended before
         os._exit(128 + signal.SIGTERM)

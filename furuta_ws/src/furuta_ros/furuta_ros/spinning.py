@@ -112,6 +112,8 @@ def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
         spin_until(executor, stop)
         # The executor first: it would release what the middleware has destroyed with the node.
         executor.shutdown()
+        if summary := node.summary():
+            print(summary)
         with bounded_end(0):
             node.destroy_node()
     return 0

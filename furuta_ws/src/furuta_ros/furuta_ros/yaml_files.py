@@ -14,6 +14,7 @@ from furuta_model.parameters import ParameterError, shortened
 # Largest file [bytes], and deepest nesting [levels], which the parser in C does not check itself.
 # The parameter file of all nodes has 3 kB and 3 levels.
 LARGEST_FILE = 2**21
+UTF_16 = b"\xff\xfe", b"\xfe\xff"  # how such a file begins
 DEEPEST_NESTING = 32
 
 # The parser in C is 20 times as fast, and not in every build of PyYAML.
@@ -45,7 +46,8 @@ def read_text(file: Path, what: str) -> str:
             f"cannot read {what} {file}: larger than {LARGEST_FILE} bytes, the most allowed"
         )
     try:
-        return data.decode()
+        # As PowerShell redirects, or in UTF-8.
+        return data.decode("utf-16" if data.startswith(UTF_16) else "utf-8")
     except UnicodeDecodeError:
         raise ParameterError(f"cannot read {what} {file}: not a text file") from None
 

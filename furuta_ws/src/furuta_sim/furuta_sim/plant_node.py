@@ -96,6 +96,13 @@ class PlantNode(FurutaNode[PlantNodeParameters]):
         """Whether ``run_until`` is reached."""
         return self.sample >= self._paused_from
 
+    def summary(self) -> str:
+        """Samples and time; in real time how late commands and measurements were."""
+        lines = [f"{self.sample} samples, {self.time:.3f} s"]
+        if isinstance(self.pacing, RealTime):
+            lines += self.pacing.summary()
+        return "\n".join(lines)
+
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
         stamp = self.stamp

@@ -109,6 +109,18 @@ class RealTime:
     def resume(self) -> None:
         """Nothing to do when ``run_until`` is raised: the timer goes on."""
 
+    def summary(self) -> list[str]:
+        """How many samples had their command in time, latency and lateness, in lines."""
+        count = self.timing_counts
+        share = count.on_time / max(1, count.samples)
+        return [
+            f"{share:.2%} of {count.samples} samples had their command before the next one; "
+            f"{count.overruns} overruns, {count.timeouts} samples at 0 V because the command was "
+            "too old",
+            f"latency   {self.latency.summary()}",
+            f"lateness  {self.lateness.summary()}",
+        ]
+
     def _tick(self) -> None:
         plant = self._plant
         now = monotonic_ns()

@@ -63,7 +63,9 @@ def outcomes(loops: Iterable[Loop], seconds: float, settled: float = SETTLED) ->
 
 def available_cores() -> int:
     """Cores that this process may run on."""
-    return len(os.sched_getaffinity(0))
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1  # macOS and Windows bind no process to cores
 
 
 def _chunks(loops: Iterable[Loop], smallest: int, largest: int) -> Iterator[list[Loop]]:

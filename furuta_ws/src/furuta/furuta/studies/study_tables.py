@@ -42,7 +42,7 @@ def write_runs(rows: Iterable[Mapping[str, Any]], out: Path) -> None:
             types = {name: OUTCOME.get(name, type(value)) for name, value in first.items()}
             write_parquet_rows(new, types, every)
         else:
-            with new.open("w", newline="") as file:
+            with new.open("w", newline="", encoding="utf-8") as file:
                 writer = csv.DictWriter(file, list(first))
                 writer.writeheader()
                 writer.writerows(every)

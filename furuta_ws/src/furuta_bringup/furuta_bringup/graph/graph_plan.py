@@ -4,6 +4,7 @@ The command line and the launch file both make their graph here, so that both st
 """
 
 import json
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,6 +29,7 @@ from furuta.settings.settings import (
 from furuta_hw.rigs.known_rigs import find_rig, rig_file
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError, build, values
+from furuta_ros.one_graph import ros_domain, view_command
 from furuta_ros.topic_names import full_namespace
 
 
@@ -102,6 +104,18 @@ def plan_graph(
                 f"the rig's sample_time is {of_rig:g} s, that of the nodes is {of_nodes:g} s"
             )
     return Graph(controlled, options.without, settings, namespace)
+
+
+def tell_running(graph: Graph) -> None:
+    """Say on standard error which graph runs, what ends it and what shows it."""
+    settings = graph.settings[graph.controlled]
+    clock = "lock-step" if settings.get("clock") == "lockstep" else "real time"
+    what = "hardware bridge" if graph.controlled == HARDWARE_BRIDGE else f"simulation in {clock}"
+    print(
+        f"running: {what}, namespace {graph.namespace or '/'}, ROS domain {ros_domain()}; Ctrl-C "
+        f"ends it, {view_command(graph.namespace)} shows it",
+        file=sys.stderr,
+    )
 
 
 def _meant(options: GraphOptions) -> dict[str, str]:

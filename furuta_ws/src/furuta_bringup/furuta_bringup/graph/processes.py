@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from furuta_bringup.graph.children import Children
-from furuta_bringup.graph.graph_plan import Graph
+from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_model.accepted_parts import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
+from furuta_ros.one_graph import claim, ros_domain
 from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.spinning import fail
 
@@ -79,6 +80,7 @@ def run_processes(graph: Graph, stop: StopSignal, record: MakeRecorder | None = 
     This process records, if ``record`` is given. The status is that of the first node that failed,
     with a line on standard error for each such node; it is 1 if the recording ended early.
     """
+    claim(ros_domain(), graph.namespace or "/").close()  # its plant claims it for good
     if record is None:
         return _run(graph, stop)
     with ros_context(namespace=graph.namespace):
@@ -96,6 +98,7 @@ def _run(graph: Graph, stop: StopSignal, recorder: RecorderNode | None = None) -
     try:
         for node in node_processes(graph):
             started.start(node.name, node.command)
+        tell_running(graph)
         while not (stop() or started.any_has_ended()):
             collect()
             sleep(CHECK_PERIOD)

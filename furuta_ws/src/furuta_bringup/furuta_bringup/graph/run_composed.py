@@ -7,7 +7,7 @@ from time import monotonic
 from typing import TypeVar
 
 from furuta_bringup.graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
-from furuta_bringup.graph.graph_plan import Graph
+from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_bringup.graph.scheduling import Scheduling, apply_scheduling
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
@@ -15,8 +15,6 @@ from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.spinning import spin_until
-from furuta_sim.plant_node import PlantNode
-from furuta_sim.realtime import RealTime
 
 # Time without a sample after which a run of limited time ends [s]: it is counted in samples.
 LONGEST_SILENCE = 10.0
@@ -33,8 +31,9 @@ def run_simulated(
     """Run the graph with the simulated plant until it is stopped or ``seconds`` have passed."""
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
+        tell_running(graph)
         spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
-        _report(plant)
+        print(plant.summary())
 
 
 def run_hardware(
@@ -52,11 +51,12 @@ def run_hardware(
         stop, bridge = StopSignal(), running.bridge
         if bridge.start_up():
             raise SystemExit(1)  # the bridge has logged the reason
+        tell_running(graph)
         is_over = _time_limit(bridge, seconds)
         option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
         print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
         spin_until(running.executor, lambda: stop() or is_over())
-        print(f"{bridge.samples} samples, {bridge.guard.stops} stops")
+        print(bridge.summary())
 
 
 def _time_limit(bridge: HardwareBridgeNode, seconds: float | None) -> Callable[[], bool]:
@@ -109,17 +109,3 @@ def _running(
                 composed.close()
     if composed.recording_failure is not None:
         raise UserError(f"the recording is incomplete: {composed.recording_failure}")
-
-
-def _report(plant: PlantNode) -> None:
-    print(f"{plant.sample} samples, {plant.time:.3f} s")
-    if isinstance(plant.pacing, RealTime):
-        count = plant.pacing.timing_counts
-        share = count.on_time / max(1, count.samples)
-        print(
-            f"{share:.2%} of {count.samples} samples had their command before the next one; "
-            f"{count.overruns} overruns, {count.timeouts} samples at 0 V because the command was "
-            "too old"
-        )
-        print(f"latency   {plant.pacing.latency.summary()}")
-        print(f"lateness  {plant.pacing.lateness.summary()}")

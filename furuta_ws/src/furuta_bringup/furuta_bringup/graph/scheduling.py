@@ -54,7 +54,7 @@ def _lock_memory() -> str:
     if libc.mlockall(MCL_CURRENT | MCL_FUTURE):
         number = ctypes.get_errno()
         raise OSError(number, os.strerror(number))
-    with open("/proc/self/status") as status:
+    with open("/proc/self/status", encoding="ascii") as status:
         locked = next(line.split(":")[1].strip() for line in status if line.startswith("VmLck"))
     return f"{locked} locked"
 

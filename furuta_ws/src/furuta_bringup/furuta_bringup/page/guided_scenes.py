@@ -17,7 +17,7 @@ from furuta_model.parameters import ParameterError
 from furuta_ros.yaml_files import parse_yaml
 
 FILE = "guided_scenes.yaml"
-CONTENT = parse_yaml(files(__package__).joinpath(FILE).read_text(), FILE)
+CONTENT = parse_yaml(files(__package__).joinpath(FILE).read_text(encoding="utf-8"), FILE)
 # Plain name and symbol of each parameter in sight, and what each compensation is called.
 IN_SIGHT = {name: " ".join(about.values()) for name, about in CONTENT["in_sight"].items()}
 COMPENSATIONS: dict[str, str] = CONTENT["compensations"]

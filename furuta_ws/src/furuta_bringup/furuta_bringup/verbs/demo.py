@@ -58,7 +58,7 @@ def command(
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
     with whole_file(directory / "summary.json") as new:
-        new.write_text(json.dumps(summary, indent=2) + "\n")
+        new.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
     if as_json:
         print_json(summary)
     else:

@@ -7,7 +7,7 @@ import click
 
 from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import HelpfulGroup, json_option, model_options
-from furuta_bringup.printing import show
+from furuta_bringup.printing import print_file, show
 from furuta_ros.whole_files import whole_file
 
 
@@ -101,7 +101,7 @@ def _joint_command(form: str, about: str) -> None:
 
         text = joint_model(read_joint_file(path, joint), form, **options)
         if out is None:
-            print(text, end="")
+            print_file(text)
             return
         with whole_file(out) as file:
             file.write_text(text, encoding="utf-8")

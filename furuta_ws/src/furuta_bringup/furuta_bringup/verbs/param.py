@@ -11,7 +11,7 @@ import click
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.options import HelpfulGroup, joined_node, json_option, namespace_option
-from furuta_bringup.printing import print_json
+from furuta_bringup.printing import print_file, print_json
 from furuta_model.parameters import ParameterError, number_from_text, shortened
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def defaults(node: str | None) -> None:
 
     if node is not None and node not in NODES:
         raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
-    print("\n".join(parameter_file(name) for name in ([node] if node else NODES)), end="")
+    print_file("\n".join(parameter_file(name) for name in ([node] if node else NODES)))
 
 
 def _plain(value: Any) -> Any:

@@ -16,13 +16,16 @@ from furuta_bringup.options import (
     model_options,
     option,
 )
-from furuta_bringup.printing import show
+from furuta_bringup.printing import show, with_progress
 from furuta_recordings.suffixes import SUFFIXES
 from furuta_ros.whole_files import whole_file
 
+# A run up to this time [s] takes a fraction of a second, too short for a bar.
+SECONDS = 60.0
+
 
 @click.command()
-@option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time [s].")
+@option("--seconds", type=SIMULATED_SECONDS, default=SECONDS, help="Simulated time [s].")
 @option(
     "--compensation",
     metavar="NAME",
@@ -79,8 +82,11 @@ def command(
     require_agreement(assignments, options)
     settings = load_settings(files, [*first, *assignments, *options.values()])
     simulation = Simulation(loop(settings))
+    quiet = as_json or seconds <= SECONDS
     began = perf_counter()
-    record = simulation.run(seconds)
+    record = simulation.run(
+        seconds, lambda blocks: with_progress("simulating", blocks, len(blocks), quiet)
+    )
     wall = perf_counter() - began
     result = _result(record, wall)
     if out is not None:

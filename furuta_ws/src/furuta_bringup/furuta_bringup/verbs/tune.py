@@ -107,7 +107,7 @@ def command(
 
         file = {node: {"ros__parameters": of} for node, of in tuned["parameters"].items() if of}
         with whole_file(out) as new:
-            new.write_text(yaml.safe_dump(file, sort_keys=False))
+            new.write_text(yaml.safe_dump(file, sort_keys=False), encoding="utf-8")
     if figure is not None:
         from furuta.figures.tuning import draw_tuning
 

@@ -39,6 +39,8 @@ def command(
     """
     if attach and options:
         raise click.UsageError("--attach starts no graph: omit the options of furuta run")
+    from furuta_bringup.graph.processes import executable  # first: it needs ROS, as all here does
+
     if attach:
         os.nice(NICENESS)  # before any thread starts: each has its own
         from furuta_bringup.page.live_page import run_page
@@ -46,9 +48,13 @@ def command(
 
         run_page(PageServer(port), namespace, opens=not no_open)
         return
-    from furuta_bringup.graph.processes import executable
+    from furuta_bringup.verbs import run
+    from furuta_ros.one_graph import claim, ros_domain
     from furuta_ros.process_start import child_environment
 
+    # What would end the graph at once ends this command, before it prints an address.
+    run.command.make_context("furuta run", list(options))
+    claim(ros_domain(), namespace or "/").close()
     furuta = str(executable("furuta_bringup", "furuta"))
     page = ["--attach", *(["--no-open"] if no_open else [])]
     page += ["--port", str(port)] if port is not None else []

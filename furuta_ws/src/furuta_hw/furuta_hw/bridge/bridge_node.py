@@ -260,6 +260,10 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if several and self.guarded_rig is not None:
             self.guarded_rig.stop(several)
 
+    def summary(self) -> str:
+        """Samples of the rig, and how often it was stopped."""
+        return f"{self.samples} samples, {self.guard.stops} stops"
+
     def _report_armed(self) -> None:
         """Publish whether the rig applies commands, if that has changed."""
         if self.guard.armed != self._armed.data:

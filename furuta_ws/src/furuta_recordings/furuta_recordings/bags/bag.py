@@ -12,6 +12,8 @@ from rosbags.rosbag2 import Reader
 from rosbags.typesys.store import Typestore
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.bag_files import SUFFIXES, advice, bag_files, refuse_foreign
+from furuta_recordings.bags.mcap_records import foreign_messages
 from furuta_recordings.bags.message_types import JAZZY, definition_of, typestore_of
 from furuta_recordings.bags.metadata import METADATA_FILE, PARAMETERS_FILE
 from furuta_ros.time_stamps import NANOSECONDS
@@ -31,11 +33,10 @@ class Bag:
             raise ParameterError(f"no bag {path}")
 
     def __enter__(self) -> Bag:
+        refuse_foreign(self.path)
         self._refuse_open_log()
         with self._one_line_errors():
-            if self.path.is_dir() and not (self.path / METADATA_FILE).is_file():
-                raise ParameterError(f"it has no {METADATA_FILE}")
-            self._reader = Reader(self.path)
+            self._reader = Reader(self._described())
             self._reader.open()
         self.connections: list[Connection] = list(self._reader.connections)
         self.message_count: int = self._reader.message_count
@@ -45,6 +46,19 @@ class Bag:
 
     def __exit__(self, *_: object) -> None:
         self._reader.close()
+
+    def _described(self) -> Path:
+        """What describes the messages: metadata, or the only file of a directory without."""
+        if not self.path.is_dir() or (self.path / METADATA_FILE).is_file():
+            return self.path
+        files = bag_files(self.path)
+        if not files:
+            raise ParameterError(
+                f"it has neither {METADATA_FILE} nor a file {' or '.join(SUFFIXES)}"
+            )
+        if len(files) > 1:
+            raise ParameterError(f"it has no {METADATA_FILE}")
+        return files[0]
 
     def _refuse_open_log(self) -> None:
         """Refuse a sqlite3 file with a write-ahead log, which the reader ignores."""
@@ -92,10 +106,8 @@ class Bag:
             yield
         except Exception as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise ParameterError(
-                f"{self.path} is not a readable bag: {reason} "
-                "(`furuta bag recover` copies what is still readable into a new bag)"
-            ) from None
+            about = foreign_messages(self.path) or f"{reason}{advice(self.path)}"
+            raise ParameterError(f"{self.path} is not a readable bag: {about}") from None
 
 
 def parameter_file_of(bag: Path) -> Path | None:

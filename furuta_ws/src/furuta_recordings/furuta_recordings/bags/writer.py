@@ -73,7 +73,7 @@ class BagWriter:
         try:
             with self._disk_errors():
                 for name, text in parameters.items():
-                    (path / name).write_text(text)
+                    (path / name).write_text(text, encoding="utf-8")
                 self._file = BackgroundFile(path / f"{path.name}_0.mcap", waits)
             stream = cast("IO[bytes]", self._file)
             self._writer = Writer(stream, LARGEST_CHUNK, CompressionType.NONE)
@@ -137,7 +137,7 @@ class BagWriter:
         times = self._times if any(self._counts) else (0, 0)
         about = metadata(self._topics, self._counts, f"{self.path.name}_0.mcap", times)
         with whole_file(self.path / METADATA_FILE) as new:
-            new.write_text(as_yaml(about))
+            new.write_text(as_yaml(about), encoding="utf-8")
 
 
 class BackgroundFile:
@@ -192,5 +192,5 @@ class BackgroundFile:
 
 def _use_ordinary_scheduling() -> None:
     """Do not inherit the real-time priority of the control loop, and never preempt it."""
-    with suppress(OSError):
+    with suppress(OSError, AttributeError):  # only Linux has it
         os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))

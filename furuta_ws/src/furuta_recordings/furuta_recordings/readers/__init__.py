@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.bags.bag_files import is_bag
 from furuta_recordings.readers.mapping import Mapping
 
 if TYPE_CHECKING:
@@ -15,11 +16,6 @@ __all__ = ["Mapping", "is_bag", "read", "read_axis"]
 
 # Options need only the names above, and no table needs the library for bags: modules that need
 # libraries are imported where they are used.
-
-
-def is_bag(path: Path) -> bool:
-    """Whether a path is that of a bag."""
-    return path.is_dir() or path.suffix in (".mcap", ".db3")
 
 
 def read(path: Path, mapping: Mapping) -> Recording:

@@ -1,9 +1,10 @@
 """Simulates the closed loop without ROS, with the compiled functions that the nodes call.
 
 One sample: sensors → estimator → friction observer → controller → actuator and plant. A run is
-one call of compiled code, which releases the interpreter lock.
+a few calls of compiled code, which releases the interpreter lock.
 """
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple
 
@@ -46,6 +47,8 @@ class LoopMemory:
 
 # The nodes that have the parameters of a loop, in the loop's order.
 PARTS = "plant", "estimator", "friction_observer", "controller"
+# Simulated time of a call of compiled code [s]: Python handles Ctrl-C between two calls.
+BLOCK_SECONDS = 20.0
 # Most values that a loop prints.
 MOST_PRINTED = 6
 
@@ -153,10 +156,18 @@ class Simulation:
         """Number of samples in ``seconds``, at least one."""
         return max(1, round(seconds / self.loop.plant.sample_time))
 
-    def run(self, seconds: float) -> Record:
-        """Continue for ``seconds``, at least one sample, and keep the series."""
-        record = _empty_record(self.loop.plant.sample_time, self.samples(seconds))
-        _run(self.memory, self.noise, self.plant, self.control_system, record)
+    def run(
+        self, seconds: float, shown: Callable[[range], Iterable[int]] = lambda blocks: blocks
+    ) -> Record:
+        """Continue for ``seconds``, at least one sample, and keep the series.
+
+        ``shown`` may show how far it is: it gets the first samples of the blocks, and yields them.
+        """
+        dt, samples = self.loop.plant.sample_time, self.samples(seconds)
+        record, size = _empty_record(dt, samples), self.samples(BLOCK_SECONDS)
+        for first in shown(range(0, samples, size)):
+            block = Record(dt, *(series[first : first + size] for series in record[1:]))
+            _run(self.memory, self.noise, self.plant, self.control_system, block)
         return record
 
 
