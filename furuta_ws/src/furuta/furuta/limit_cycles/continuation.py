@@ -59,7 +59,7 @@ class Branch:
                 f"the cycle at {value:g} cannot be followed: its period is infinite, because the "
                 "arm creeps to an unstable rest"
             )
-        self._turns = cycle.turns
+        self._turns, self._side = cycle.turns, cycle.side
         usual = Section(self._loop_at(value)).smallest
         self._smallest = cycle.smallest_slide if cycle.smallest_slide < usual else None
         start = self._pack(value, cycle)
@@ -126,7 +126,7 @@ class Branch:
         return np.append(s, (value - self._low) / self._range)
 
     def _section(self, value: float) -> Section:
-        return Section(self._loop_at(value), self._smallest)
+        return Section(self._loop_at(value), self._smallest, self._side)
 
     def _closest(self, w: np.ndarray) -> float:
         """Least distance from a rest of the motion that starts at ``w``."""

@@ -1,8 +1,9 @@
 """Periodic orbits of a loop with friction as fixed points of its Poincaré map P.
 
-The section is the joint's upper reversal, v = 0 from above. There the state has n free coordinates:
-all but v, without the bristle where there is none, and without a position on which nothing depends.
-P leads from one upper reversal to the next.
+The section is the joint's upper reversal, v = 0 from above; of a motion that never slides forward
+the lower one, v = 0 from below. There the state has n free coordinates: all but v, without the
+bristle where there is none, and without a position on which nothing depends. P leads from one such
+reversal to the next.
 
 A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. Its Floquet
 multipliers are the eigenvalues of dP/ds.
@@ -12,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.exact_motion import follow_to_upper_reversal
+from furuta.limit_cycles.exact_motion import follow_to_reversal
 from furuta.limit_cycles.friction_loop import (
     BRISTLE,
     FrictionLoop,
@@ -30,6 +31,9 @@ REST = 1e-7  # [rad] peak to peak below which the arm is at rest
 TOLERANCE = 1e-9  # Newton correction, relative to the size of the cycle
 NEWTON_STEPS = 25
 DIFFERENCE_STEP = 1e-6  # of the finite differences, relative to the size of the cycle
+# Parts of that step: the next one if the map bends by more than a part of the difference, because a
+# joint that just sticks after a slide slides on at one end of the step.
+DIFFERENCE_PARTS, BEND = (1.0, 0.1, 0.01), 0.1
 # Limit of that step, relative to the least distance from a rest, to stay on one side of it.
 REST_STEP = 1e-2
 
@@ -46,11 +50,14 @@ class Return(NamedTuple):
 class Section:
     """The Poincaré map of a loop in its free coordinates.
 
-    A reversal counts only after a slide of ``smallest`` [rad].
+    A reversal counts only after a slide of ``smallest`` [rad] in the direction ``side`` (±1).
     """
 
-    def __init__(self, loop: FrictionLoop, smallest: float | None = None) -> None:
+    def __init__(
+        self, loop: FrictionLoop, smallest: float | None = None, side: float = 1.0
+    ) -> None:
         self.loop = loop
+        self.side = side
         self.smallest = smallest_slide(loop) if smallest is None else smallest
         self.free = loop.free
         self._no_trace = np.empty((0, loop.states + 1))
@@ -62,18 +69,25 @@ class Section:
         return y
 
     def follow(self, y: np.ndarray, mode: float | None = None, turns: int = 1) -> Return:
-        """Follow the motion to the ``turns``-th upper reversal.
+        """Follow the motion to the ``turns``-th reversal.
 
-        ``mode`` is the piece of motion that begins at ``y``; None if ``y`` is an upper reversal.
+        ``mode`` is the piece of motion that begins at ``y``; None if ``y`` is a reversal.
         """
         y = y.copy()
         extent = extent_at(y)
         time = 0.0
         for _ in range(turns):
-            first = next_mode(y, 1.0, self.loop) if mode is None else mode
+            first = next_mode(y, self.side, self.loop) if mode is None else mode
             mode = None
-            ended, duration, _ = follow_to_upper_reversal(
-                y, first, self.loop.longest_return, self.loop, self.smallest, extent, self._no_trace
+            ended, duration, _ = follow_to_reversal(
+                y,
+                first,
+                self.loop.longest_return,
+                self.loop,
+                self.side,
+                self.smallest,
+                extent,
+                self._no_trace,
             )
             time += duration
             if ended != EVENT:
@@ -87,8 +101,8 @@ class Section:
 
     def jacobian(self, s: np.ndarray, turns: int, size: float) -> np.ndarray | None:
         """dP/ds by central differences, or None if the motion does not return."""
-        closest = float(self.follow(self.state(s), turns=turns).extent[FURTHER, CLOSEST])
-        step = min(DIFFERENCE_STEP * size, REST_STEP * closest)
+        end = self.follow(self.state(s), turns=turns)
+        step = min(DIFFERENCE_STEP * size, REST_STEP * float(end.extent[FURTHER, CLOSEST]))
         columns = []
         for i in range(len(s)):
             # The deflection of the bristle is a torque divided by σ₀.
@@ -98,11 +112,15 @@ class Section:
                 else 1.0
             )
             d = np.zeros_like(s)
-            d[i] = step / scale
-            ahead, behind = self.map(s + d, turns), self.map(s - d, turns)
-            if ahead is None or behind is None:
-                return None
-            columns.append((ahead - behind) / (2 * d[i]))
+            for part in DIFFERENCE_PARTS:
+                d[i] = part * step / scale
+                ahead, behind = self.map(s + d, turns), self.map(s - d, turns)
+                if ahead is None or behind is None:
+                    return None
+                change, bend = ahead - behind, ahead + behind - 2.0 * end.y[self.free]
+                if np.linalg.norm(bend) < BEND * max(np.linalg.norm(change), d[i]):
+                    break
+            columns.append(change / (2 * d[i]))
         return np.array(columns).T
 
 
@@ -111,8 +129,9 @@ class LimitCycle(NamedTuple):
 
     ``stuck_fraction`` is the part of the period in which the arm sticks, ``floquet_multipliers``
     the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
-    the arm per period, ``point`` the state (5,) at the first of them; a reversal counts after a
-    slide of ``smallest_slide`` [rad].
+    the arm per period, of lower ones if ``side`` is -1 because the arm never slides forward, and
+    ``point`` the state (5,) at the first of them; a reversal counts after a slide of
+    ``smallest_slide`` [rad].
     ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
     ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative;
     0 at a rest that an integrator leaves and comes back to.
@@ -138,6 +157,7 @@ class LimitCycle(NamedTuple):
     growth_rate_1_s: float = float("nan")
     transient_s: float = float("nan")
     observed_s: float = float("nan")
+    side: float = 1.0
 
     @property
     def stable(self) -> bool:
@@ -149,7 +169,7 @@ class LimitCycle(NamedTuple):
     def report(self) -> dict[str, Any]:
         """Everything by name, except the section point; multipliers as real and imaginary part."""
         fields = self._asdict()
-        del fields["point"], fields["smallest_slide"]
+        del fields["point"], fields["smallest_slide"], fields["side"]
         multipliers = [[m.real, m.imag] for m in self.floquet_multipliers]
         return {**fields, "floquet_multipliers": multipliers, "stable": self.stable}
 
@@ -204,6 +224,7 @@ def limit_cycle_through(
         tuple(section.state(s)),
         section.smallest,
         float(end.extent[FURTHER, CLOSEST]),
+        side=section.side,
     )
 
 
@@ -225,9 +246,16 @@ def trace(loop: FrictionLoop, cycle: LimitCycle) -> Trajectory:
     buffer = np.empty((MAX_TRACE, loop.states + 1))
     elapsed = 0.0
     for _ in range(cycle.turns):
-        mode = next_mode(y, 1.0, loop)
-        _, duration, n = follow_to_upper_reversal(
-            y, mode, loop.longest_return, loop, cycle.smallest_slide, extent_at(y), buffer
+        mode = next_mode(y, cycle.side, loop)
+        _, duration, n = follow_to_reversal(
+            y,
+            mode,
+            loop.longest_return,
+            loop,
+            cycle.side,
+            cycle.smallest_slide,
+            extent_at(y),
+            buffer,
         )
         part = buffer[:n].copy()
         part[:, 0] += elapsed
