@@ -21,7 +21,12 @@ from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
 from furuta.limit_cycles.rest_stability import STILL
 from furuta_model.arguments import check
-from furuta_model.friction.laws import analysed_law, sliding_level, steady_friction
+from furuta_model.friction.laws import (
+    analysed_law,
+    check_friction,
+    sliding_level,
+    steady_friction,
+)
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, shortened
@@ -187,8 +192,10 @@ def joint(
         offset: r (n,), for example of a reference that moves at constant speed.
 
     Raises:
-        ParameterError: The law is not analysed, or the matrices do not fit.
+        ParameterError: The law is not analysed, a parameter of friction is outside its range, or
+            the matrices do not fit.
     """
+    check_friction(law, friction)
     a, b, c = (np.array(part, dtype=float) for part in (a, b, c))
     n = len(b)
     r = np.zeros(n) if offset is None else np.array(offset, dtype=float)

@@ -10,7 +10,13 @@ import numpy as np
 
 from furuta.describing_functions.steady_rotation import rotation_growth
 from furuta.limit_cycles.exact_motion import MOST_REVERSALS
-from furuta.limit_cycles.friction_loop import FrictionLoop, first_mode, next_mode, rate, rest_distance
+from furuta.limit_cycles.friction_loop import (
+    FrictionLoop,
+    first_mode,
+    next_mode,
+    rate,
+    rest_distance,
+)
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import (
     REST,

@@ -161,7 +161,11 @@ class LimitCycle(NamedTuple):
 
     @property
     def stable(self) -> bool:
-        """Whether disturbances decay, by all Floquet multipliers or by the growth rate."""
+        """Whether disturbances decay, by all Floquet multipliers; at a rest by the growth rate.
+
+        A motion with an infinite period is stable. Its growth rate is that of the rest which it
+        leaves by a disturbance and to which it comes back: it ends the pause, not the motion.
+        """
         if self.kind in ("rest", "rotation"):
             return self.growth_rate_1_s <= 0.0
         return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
