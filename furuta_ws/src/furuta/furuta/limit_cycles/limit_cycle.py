@@ -49,8 +49,8 @@ MOTION_RETURNS = 10  # times the longest return
 MIN_RETURNS = 60  # followed however long they take
 WINDOWS = 20  # times without a reversal that the motion is followed on
 NEARBY = 0.05  # relative change of the section point below which Newton's method is started
-# The same after more reversals than so many: a motion without a period comes near itself often.
-FEW_TURNS, VERY_NEARBY = 4, 1e-4
+FEW_TURNS = 4  # reversals after which a motion comes near itself hardly by chance
+VERY_NEARBY = 2e-3  # part of NEARBY, after more reversals
 REPEATED = 1e-7  # relative change of the section point that is no change
 SAME_SIZE = 1e-4  # such a change relative to the size of a cycle
 SAME_POINT = 1e-6  # difference relative to it within which two points of a cycle are one
@@ -307,7 +307,8 @@ def _recurrences(points: list[np.ndarray]) -> list[tuple[int, float]]:
     found = []
     for turns in range(1, min(MOST_REVERSALS, len(points) - 1) + 1):
         change = float(np.linalg.norm(points[-1] - points[-1 - turns]))
-        if change < (NEARBY if turns <= FEW_TURNS else VERY_NEARBY) * size:
+        near = NEARBY if turns <= FEW_TURNS else VERY_NEARBY * NEARBY
+        if change < near * size:
             found.append((turns, change / size))
     return found
 
