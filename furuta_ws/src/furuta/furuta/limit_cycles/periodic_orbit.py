@@ -118,7 +118,7 @@ class Section:
                 if ahead is None or behind is None:
                     return None
                 change, bend = ahead - behind, ahead + behind - 2.0 * end.y[self.free]
-                if np.linalg.norm(bend) < BEND * max(np.linalg.norm(change), d[i]):
+                if np.linalg.norm(bend) < BEND * max(float(np.linalg.norm(change)), step):
                     break
             columns.append(change / (2 * d[i]))
         return np.array(columns).T
