@@ -31,9 +31,10 @@ REST = 1e-7  # [rad] peak to peak below which the arm is at rest
 TOLERANCE = 1e-9  # Newton correction, relative to the size of the cycle
 NEWTON_STEPS = 25
 DIFFERENCE_STEP = 1e-6  # of the finite differences, relative to the size of the cycle
-# Parts of that step: the next one if the map bends by more than a part of the difference, because a
-# joint that just sticks after a slide slides on at one end of the step.
-DIFFERENCE_PARTS, BEND = (1.0, 0.1, 0.01), 0.1
+DIFFERENCE_PARTS = (1.0, 0.1, 0.01)  # of that step, for the multipliers
+# Largest bend of the map over a step, relative to the difference. It bends where a joint that just
+# sticks after a slide slides on at one end of the step.
+BEND = 0.1
 # Limit of that step, relative to the least distance from a rest, to stay on one side of it.
 REST_STEP = 1e-2
 
@@ -99,8 +100,13 @@ class Section:
         end = self.follow(self.state(s), turns=turns)
         return end.y[self.free] if end.ended == EVENT else None
 
-    def jacobian(self, s: np.ndarray, turns: int, size: float) -> np.ndarray | None:
-        """dP/ds by central differences, or None if the motion does not return."""
+    def jacobian(
+        self, s: np.ndarray, turns: int, size: float, parts: tuple[float, ...] = (1.0,)
+    ) -> np.ndarray | None:
+        """dP/ds by central differences, or None if the motion does not return.
+
+        Of the ``parts`` of the usual step the first is taken over which the map hardly bends.
+        """
         end = self.follow(self.state(s), turns=turns)
         step = min(DIFFERENCE_STEP * size, REST_STEP * float(end.extent[FURTHER, CLOSEST]))
         columns = []
@@ -112,7 +118,7 @@ class Section:
                 else 1.0
             )
             d = np.zeros_like(s)
-            for part in DIFFERENCE_PARTS:
+            for part in parts:
                 d[i] = part * step / scale
                 ahead, behind = self.map(s + d, turns), self.map(s - d, turns)
                 if ahead is None or behind is None:
@@ -211,7 +217,7 @@ def limit_cycle_through(
 ) -> LimitCycle | None:
     """The periodic motion through the fixed point ``s``; None if the arm is at rest."""
     end = section.follow(section.state(s), turns=turns)
-    jacobian = section.jacobian(s, turns, size)
+    jacobian = section.jacobian(s, turns, size, DIFFERENCE_PARTS)
     sizes = end.extent[HIGH] - end.extent[LOW]
     phi = float(sizes[PHI])
     if jacobian is None or phi < REST:
