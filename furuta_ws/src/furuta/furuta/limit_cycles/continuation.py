@@ -15,6 +15,7 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import REST, REST_STEP, LimitCycle, Section, periodic_orbit
 from furuta.limit_cycles.smooth_motion import CLOSEST, FURTHER
 from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI_DOT
 
 FIRST_STEP = 0.02  # along the scaled curve, where the range of the parameter is 1
 LARGEST_STEP = 0.05
@@ -59,6 +60,8 @@ class Branch:
                 f"the cycle at {value:g} cannot be followed: its period is infinite, because the "
                 "arm creeps to an unstable rest"
             )
+        if cycle.point[PHI_DOT] != 0.0:
+            raise ParameterError(f"the cycle at {value:g} cannot be followed: it never reverses")
         self._turns, self._side = cycle.turns, cycle.side
         usual = Section(self._loop_at(value)).smallest
         self._smallest = cycle.smallest_slide if cycle.smallest_slide < usual else None

@@ -28,6 +28,7 @@ from furuta.limit_cycles.smooth_motion import (
 from furuta_model.compiled import compiled
 from furuta_model.state import BRISTLE, PHI
 
+LONGEST_SLIDE = 1000.0  # scaled time that an integration takes for one without end
 MOST_REVERSALS = 32  # of one side that a period has, and that come without one of the other side
 
 
@@ -69,7 +70,8 @@ def _follow_linear(
 ) -> tuple[int, float, int]:
     if mode == 0.0 or loop.law.constant_level:
         return follow_exactly(y, mode, time_limit, extent, trace, loop)
-    ended, duration, rows = integrate(y, mode, time_limit, loop, False, extent, trace)
+    limit = min(time_limit, LONGEST_SLIDE)
+    ended, duration, rows = integrate(y, mode, limit, loop, False, extent, trace)
     # What disturbs a linear loop at rest does not grow there: see rest_stability.
     return AT_REST if ended == NEAR_REST else ended, duration, rows
 

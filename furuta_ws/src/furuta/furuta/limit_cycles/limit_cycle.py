@@ -17,6 +17,7 @@ from furuta.limit_cycles.friction_loop import (
     rate,
     rest_distance,
 )
+from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import (
     REST,
@@ -25,6 +26,7 @@ from furuta.limit_cycles.periodic_orbit import (
     Section,
     limit_cycle_through,
     periodic_orbit,
+    slip_cycle,
 )
 from furuta.limit_cycles.rest_stability import FRICTIONLESS, rest_stability, rest_state
 from furuta.limit_cycles.smooth_motion import (
@@ -37,6 +39,7 @@ from furuta.limit_cycles.smooth_motion import (
     OTHER_SIDE,
     STEPS,
     STUCK,
+    TIME_OUT,
     TOO_STIFF,
     UNBOUNDED,
 )
@@ -47,6 +50,7 @@ from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 RETURNS = 3000  # after which, or after a long time, the motion is classified as irregular
 MOTION_RETURNS = 10  # times the longest return
 MIN_RETURNS = 60  # followed however long they take
+SLIDES = 3  # long slides of a linear loop after which it is taken to slide for ever
 WINDOWS = 20  # times without a reversal that the motion is followed on
 NEARBY = 0.05  # relative change of the section point below which Newton's method is started
 FEW_TURNS = 4  # reversals after which a motion comes near itself hardly by chance
@@ -141,7 +145,9 @@ class _Search:
         """The final motion, if it is known after this return."""
         if end.ended == UNBOUNDED:
             return LimitCycle("unbounded")
-        stiff = number == 0 and end.extent[FURTHER, STEPS] > 0.5 * MAX_STEPS
+        stiff = (
+            number == 0 and end.ended != TIME_OUT and end.extent[FURTHER, STEPS] > 0.5 * MAX_STEPS
+        )
         if stiff or end.ended == TOO_STIFF:  # soon, if a later slide may need too many steps
             raise ParameterError(
                 "the bristle is too fast to follow: sigma0 is too large, or the friction level of "
@@ -221,6 +227,10 @@ class _Search:
         y, v = end.y, float(end.y[PHI_DOT])
         self._windows += 1
         self._mode = float(np.sign(v)) or next_mode(y, 1.0, self._loop)
+        if isinstance(self._loop, LinearLoop):
+            if self._windows < SLIDES:
+                return None
+            return slip_cycle(self._loop, y) or self._irregular()
         slides = _size(end) <= abs(y[PHI] - self._start[PHI]) * (1.0 + 1e-9)
         if isinstance(self._loop, IdealLoop) and _is_steady(y, self._loop):
             return self._rotation(y, self._loop)
