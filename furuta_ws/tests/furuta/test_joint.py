@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from joint_reference import ReferenceJoint
+from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
 import furuta.limit_cycles.limit_cycle as engine
@@ -278,3 +279,40 @@ def test_pauses_that_grow_end_in_a_long_period(side: int) -> None:
     assert cycle.stable
     assert cycle.peak_to_peak == pytest.approx(0.2145001798, rel=1e-8)
     assert cycle.period_s == pytest.approx(3297.647177, rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_joint_that_never_stops_can_still_have_a_cycle(side: int) -> None:
+    """Where friction falls a little faster than the damping rises, the joint only slows down."""
+    damping, speed, p = 3.5, 0.104, Friction(alpha0=0.5, alpha1=0.5, stribeck_velocity=0.1)
+    a, unit = np.array([[0.0, 1.0], [-1.0, -damping]]), np.array([0.0, 1.0])
+    made = joint(a, unit, unit, p, "stribeck", np.array([-side * speed, 0.0]))
+    cycle = joint_cycle(made, side * np.array([-0.8, 0.09]))
+    assert cycle.kind == "limit_cycle"
+    assert cycle.stable
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        level = p.alpha0 + p.alpha1 * np.exp(-((y[1] / p.stribeck_velocity) ** 2))
+        return [y[1] - speed, -y[0] - damping * y[1] - level]
+
+    def falls(_: float, y: np.ndarray) -> float:
+        return float(y[1] - 0.1)
+
+    falls.direction = -1.0  # type: ignore[attr-defined]
+    run = solve_ivp(
+        rate, (0.0, 600.0), [-0.8, 0.09], "DOP853", events=falls, rtol=1e-10, atol=1e-12
+    )
+    assert np.diff(run.t_events[0])[-1] == pytest.approx(cycle.period_s, rel=1e-7)
+    path = trace_joint(made, cycle)
+    assert path.time[-1] == pytest.approx(cycle.period_s, rel=1e-12)
+    np.testing.assert_allclose(path.state[-1, 1:], path.state[0, 1:], atol=1e-9)
+
+
+def test_a_slide_without_end_is_followed_for_a_while_only() -> None:
+    """Friction that does not fall on a belt without damping: every motion goes on as it is."""
+    spring, unit = np.array([[0.0, 1.0], [-1.0, 0.0]]), np.array([0.0, 1.0])
+    made = joint(spring, unit, unit, Friction(alpha0=0.5), "coulomb", np.array([0.1, 0.0]))
+    cycle = joint_cycle(made, np.array([0.5, -0.05]))
+    assert cycle.kind == "irregular"
+    # 0.1, and what the ends of the time that was seen add to the mean motion.
+    assert 0.1 <= cycle.peak_to_peak <= 0.2

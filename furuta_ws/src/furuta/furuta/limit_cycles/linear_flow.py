@@ -29,7 +29,7 @@ FIRST_STEP, LONGEST_DRAWN = 1e-3, 0.02
 CURVED = 1e-3  # deviation of what ends the motion from the cubic, relative to its size
 TERMS = 13  # of the exponential, for matrices of norm 1/2
 BISECTIONS = 60
-MOST_STEPS = 100_000  # of a slide: one that does not end oscillates for ever
+MOST_STEPS = 50_000  # of a slide: one that does not end oscillates for ever
 
 
 @compiled

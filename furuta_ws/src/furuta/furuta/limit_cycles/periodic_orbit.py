@@ -148,7 +148,7 @@ class LimitCycle(NamedTuple):
     the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
     the arm per period, of lower ones if ``side`` is -1 because the arm never slides forward, and
     ``point`` the state (5,) at the first of them; a reversal counts after a slide of
-    ``smallest_slide`` [rad].
+    ``smallest_slide`` [rad]. The ``point`` of a cycle without reversals has a speed.
     ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
     ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative;
     0 at a rest that an integrator leaves and comes back to.
