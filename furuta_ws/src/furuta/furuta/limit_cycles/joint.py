@@ -98,10 +98,10 @@ class JointCycle(NamedTuple):
 
     ``peak_to_peak`` is that of the position [m or rad], without its mean motion. ``start`` is the
     state x (n,) at the upper reversal; at the lower one if there is no upper one, and where the
-    speed falls through the middle of its range if the joint never stops. A rest, or a steady motion at constant speed, has a
-    ``growth_rate_1_s`` instead of multipliers: -inf where nothing but other rests is near, 0 where
-    an integrator leaves the rest and comes back. An irregular motion was seen over ``observed_s``
-    after ``transient_s``.
+    speed falls through the middle of its range if the joint never stops. A rest, or a steady motion
+    at constant speed, has a ``growth_rate_1_s`` instead of multipliers: -inf where nothing but
+    other rests is near, 0 where an integrator leaves the rest and comes back. An irregular motion
+    was seen over ``observed_s`` after ``transient_s``.
     """
 
     kind: str
