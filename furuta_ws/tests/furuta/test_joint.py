@@ -230,7 +230,7 @@ def test_a_bounded_motion_that_stops_for_an_instant_is_not_at_rest(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Some slides are shorter than any that is seen, but the loop goes on."""
-    monkeypatch.setattr(engine, "RETURNS", 300)
+    monkeypatch.setattr(engine, "RETURNS", 800)
     cycle = joint_cycle(relay_loop(10.0, -0.07, 0.05), np.array([0.05, -0.01, 0.1]))
     assert cycle.kind == "irregular"
     assert 0.05 < cycle.peak_to_peak < 0.2
