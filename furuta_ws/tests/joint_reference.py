@@ -15,6 +15,7 @@ RTOL = 1e-11
 REPEATED = 1e-9
 MOST_PIECES = 3000
 LONGEST_WAIT = 1e7  # [s]
+MOST_TURNS = 16
 
 
 class Motion(NamedTuple):
@@ -159,13 +160,13 @@ class ReferenceJoint:
 
     @staticmethod
     def _repeated(reversals: list[tuple[float, float, float]]) -> Motion | None:
-        """The cycle of one or two reversals per period with which the motion ends."""
-        for turns in (1, 2):
+        """The cycle of few reversals per period with which the motion ends."""
+        for turns in range(1, MOST_TURNS + 1):
             if len(reversals) < 4 * turns:
                 return None
             time, upper, lower = np.array(reversals).T
-            periods = (time[turns:] - time[:-turns])[-3:]
-            ends = [len(time) - k for k in range(3)]
+            periods = (time[turns:] - time[:-turns])[::-turns][:3]
+            ends = [len(time) - k * turns for k in range(3)]
             sizes = [np.ptp([*upper[end - turns : end], *lower[end - turns : end]]) for end in ends]
             same = max(np.ptp(periods) / periods[-1], np.ptp(sizes) / sizes[-1])
             if same < REPEATED:

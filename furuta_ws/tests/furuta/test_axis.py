@@ -209,6 +209,36 @@ def test_what_does_not_settle_says_so() -> None:
     assert not residual(axis, axis, furuta.Pid(1.0, 0.0, 1.0), "none", sample_time=0.02).settled
 
 
+@pytest.mark.parametrize(
+    ("wrong", "given"),
+    [
+        ("alpha0", -0.1),
+        ("alpha1", -0.1),
+        ("viscous", -0.1),
+        ("sigma0", 0.0),
+        ("sigma1", -1.0),
+        ("stribeck_velocity", 0.0),
+        ("asymmetry", 1.1),
+    ],
+)
+def test_friction_that_cannot_be_is_refused(wrong: str, given: float) -> None:
+    """By every function that takes it; the message names the parameter."""
+    axis = furuta.Axis(0.01, FRICTION._replace(**{wrong: given}), "lugre")
+    one = np.ones(1)
+    calls = [
+        lambda: furuta.servo_cycle(axis, PID),
+        lambda: furuta.servo_motions(axis, PID),
+        lambda: furuta.simulate_axis(axis, PID, seconds=0.1),
+        lambda: furuta.simulate_axis(axis._replace(friction=FRICTION), PID, model=axis),
+        lambda: furuta.compare_on_axis(axis, PID),
+        lambda: furuta.friction_joint((-one[:, None], one, one), axis.friction, axis.law),
+        lambda: furuta.friction_law(axis.law, axis.friction),
+    ]
+    for call in calls:
+        with pytest.raises(furuta.ParameterError, match=wrong):
+            call()
+
+
 def test_bad_input_is_refused() -> None:
     for wrong in ("alpha0", "alpha0=-1", "beta=1", "alpha0=1,alpha1=1"):
         with pytest.raises(furuta.ParameterError):

@@ -5,9 +5,12 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from joint_reference import ReferenceJoint
+from scipy.integrate import solve_ivp
+from scipy.linalg import solve_continuous_are
 
+import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Axis, Cascade, Controller, Pid, released, servo_joint
-from furuta.limit_cycles.joint import Joint, joint, joint_cycle
+from furuta.limit_cycles.joint import Joint, JointCycle, joint, joint_cycle, trace_joint
 from furuta_model.friction.parameters import Friction
 
 LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
@@ -118,3 +121,198 @@ def test_random_loops_move_as_integrated_independently(count: int) -> None:
             assert motion.peak_to_peak == pytest.approx(cycle.peak_to_peak, rel=1e-6)
             assert motion.period == pytest.approx(cycle.period_s, rel=1e-6)
     assert {"rest", "limit_cycle"} <= set(kinds)
+
+
+class Servo(NamedTuple):
+    """An axis under PID or cascade, whose reference moves at ``speed``."""
+
+    law: str
+    controller: Controller
+    speed: float
+
+    def cycle(self, side: int, asymmetry: float = 0.0) -> JointCycle:
+        """The final motion from rest of the axis or of its mirror image."""
+        friction = Friction(
+            alpha0=0.1,
+            alpha1=0.1,
+            stribeck_velocity=0.1,
+            viscous=0.005,
+            asymmetry=side * asymmetry,
+        )
+        axis = Axis(0.01, friction, self.law)
+        made = servo_joint(axis, self.controller, side * self.speed)
+        return joint_cycle(made, side * released(axis, self.controller, len(made.loop.b)))
+
+
+PID = Pid(1.0, 2.0, 0.08)
+CASCADE = Cascade(8.0, 0.08, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("law", "size", "period"),
+    [
+        ("stiction", 0.124630, 1.598781),
+        ("stribeck", 0.140827, 1.755528),
+        ("lugre", 0.119140, 1.586317),
+    ],
+)
+def test_a_reference_that_moves_backward_moves_the_axis_as_its_mirror_image(
+    law: str, size: float, period: float
+) -> None:
+    backward = Servo(law, PID, 0.1).cycle(-1)
+    assert backward.kind == "limit_cycle"
+    assert backward.stable
+    assert backward.peak_to_peak == pytest.approx(size, abs=1e-6)
+    assert backward.period_s == pytest.approx(period, abs=1e-6)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize(
+    ("controller", "speed", "asymmetry"),
+    [(PID, 0.05, 0.2), (CASCADE, 0.1, 0.0), (PID, 0.0, 0.35), (PID, 0.0, 0.9), (CASCADE, 0.4, 0.3)],
+)
+def test_mirror_images_have_the_same_size_and_period(
+    law: str, controller: Controller, speed: float, asymmetry: float
+) -> None:
+    servo = Servo(law, controller, speed)
+    forward, backward = (servo.cycle(side, asymmetry) for side in (1, -1))
+    assert forward.kind == backward.kind
+    assert forward.peak_to_peak == pytest.approx(backward.peak_to_peak, rel=1e-7)
+    assert forward.period_s == pytest.approx(backward.period_s, rel=1e-7, nan_ok=True)
+
+
+def test_a_cycle_of_an_axis_that_slides_backward_only_can_be_drawn() -> None:
+    """From its start over one period, in which the axis covers what the reference does."""
+    made = servo_joint(Axis(0.01, Friction(alpha0=0.1, alpha1=0.1), "stiction"), PID, -0.1)
+    cycle = joint_cycle(made, np.zeros(3))
+    path = trace_joint(made, cycle)
+    assert path.time[-1] == pytest.approx(cycle.period_s, rel=1e-9)
+    assert path.state[-1, 0] - path.state[0, 0] == pytest.approx(-0.1 * cycle.period_s, rel=1e-6)
+    np.testing.assert_allclose(path.state[-1, 1:], path.state[0, 1:], atol=1e-9)
+    assert path.state[:, 1].max() == 0.0
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_belt_carries_a_mass_alike_in_both_directions(side: int) -> None:
+    spring = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    unit = np.array([0.0, 1.0])
+    friction = Friction(alpha0=0.5, alpha1=0.5)
+    made = joint(spring, unit, unit, friction, "stiction", np.array([0.1 * side, 0.0]))
+    cycle = joint_cycle(made, np.zeros(2))
+    assert cycle.kind == "limit_cycle"
+    # A slide is an ellipse about 0.5, from the breakaway at 1: (x - 0.5)² + 0.1² = const.
+    assert cycle.peak_to_peak == pytest.approx(2.0 * np.hypot(0.5, 0.1), rel=1e-9)
+    slide = np.pi + 2.0 * np.arctan2(0.1, 0.5)
+    assert cycle.period_s == pytest.approx(1.0 / 0.1 + slide, rel=1e-9)
+
+
+def relay_loop(frequency: float, damping: float, pole: float) -> Joint:
+    """Relay feedback of (s - 1)² / (s + λ)(s² + 2 ζ ω s + ω²), which is Coulomb friction of 1."""
+    w, x = frequency, damping
+    a = np.array(
+        [[-2 * x * w - pole, 1, 0], [-2 * x * w * pole - w * w, 0, 1], [-pole * w * w, 0, 0]]
+    )
+    b, c = np.array([1.0, -2.0, 1.0]), np.array([1.0, 0.0, 0.0])
+    return joint(a, b, c, Friction(alpha0=1.0), "coulomb")
+
+
+def test_a_published_orbit_of_seven_slides_is_found() -> None:
+    """Johansson, Rantzer and Åström, Fast switches in relay feedback systems (1999)."""
+    cycle = joint_cycle(relay_loop(25.0, 0.05, 1.0), np.array([0.05, -0.01, 0.1]))
+    assert cycle.kind == "limit_cycle"
+    assert cycle.peak_to_peak == pytest.approx(0.0045756, abs=1e-7)
+    assert cycle.period_s == pytest.approx(5.961837, abs=1e-6)
+    assert cycle.scaled is not None
+    assert cycle.scaled.turns == 7
+
+
+def test_a_bounded_motion_that_stops_for_an_instant_is_not_at_rest(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Some slides are shorter than any that is seen, but the loop goes on."""
+    monkeypatch.setattr(engine, "RETURNS", 800)
+    cycle = joint_cycle(relay_loop(10.0, -0.07, 0.05), np.array([0.05, -0.01, 0.1]))
+    assert cycle.kind == "irregular"
+    assert 0.05 < cycle.peak_to_peak < 0.2
+
+
+@pytest.mark.parametrize(
+    "start", [[0, 0, 0.05, 0], [0.2, 0, 0, 0], [0.01, 0, 0, 0], [0, 0, 1e-6, 0]]
+)
+def test_a_cart_with_a_pendulum_has_one_period_from_all_starts(start: list[float]) -> None:
+    """LQR and Coulomb friction; each slide ends close to where the cart would slide on."""
+    cart, pole, damping, inertia, length = 0.5, 0.2, 0.1, 0.006, 0.3
+    moment, coupling = inertia + pole * length**2, pole * length
+    p = moment * (cart + pole) - coupling**2
+    a = np.zeros((4, 4))
+    a[0, 1] = a[2, 3] = 1.0
+    a[1, 1:3] = np.array([-moment * damping, coupling**2 * 9.8]) / p
+    a[3, 1:3] = np.array([-coupling * damping, coupling * 9.8 * (cart + pole)]) / p
+    b = np.array([0.0, moment, 0.0, coupling]) / p
+    weights = np.diag([5000.0, 0.0, 100.0, 0.0])
+    gain = b @ solve_continuous_are(a, b[:, None], weights, np.eye(1))
+    friction = Friction(alpha0=0.5)
+    made = joint(a - np.outer(b, gain), b, np.array([0.0, 1.0, 0.0, 0.0]), friction, "coulomb")
+    cycle = joint_cycle(made, np.array(start, dtype=float))
+    assert cycle.kind == "limit_cycle"
+    assert cycle.stable
+    assert cycle.period_s == pytest.approx(9.386273, abs=1e-6)
+
+
+def test_a_cycle_has_its_smallest_period(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A motion that nears it from both sides in turn comes near itself after two periods first."""
+    made = servo_joint(Axis(0.01, Friction(alpha0=0.1, alpha1=0.1), "stiction"), PID, 0.1)
+    usual = joint_cycle(made)
+    monkeypatch.setattr(engine, "_recurrences", lambda points: [(4, 1e-3)][: len(points) // 5])
+    cycle = joint_cycle(made)
+    assert cycle.scaled is not None
+    assert cycle.scaled.turns == 1
+    assert cycle.period_s == pytest.approx(usual.period_s, rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_pauses_that_grow_end_in_a_long_period(side: int) -> None:
+    """Asymmetric stiction: pauses up to 2984 s. Values of :meth:`ReferenceJoint.run`, in 3 s."""
+    servo = Servo("stiction", PID, 0.0)
+    cycle = servo.cycle(side, 0.3)
+    assert cycle.kind == "limit_cycle"
+    assert cycle.stable
+    assert cycle.peak_to_peak == pytest.approx(0.2145001798, rel=1e-8)
+    assert cycle.period_s == pytest.approx(3297.647177, rel=1e-9)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_joint_that_never_stops_can_still_have_a_cycle(side: int) -> None:
+    """Where friction falls a little faster than the damping rises, the joint only slows down."""
+    damping, speed, p = 3.5, 0.104, Friction(alpha0=0.5, alpha1=0.5, stribeck_velocity=0.1)
+    a, unit = np.array([[0.0, 1.0], [-1.0, -damping]]), np.array([0.0, 1.0])
+    made = joint(a, unit, unit, p, "stribeck", np.array([-side * speed, 0.0]))
+    cycle = joint_cycle(made, side * np.array([-0.8, 0.09]))
+    assert cycle.kind == "limit_cycle"
+    assert cycle.stable
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        level = p.alpha0 + p.alpha1 * np.exp(-((y[1] / p.stribeck_velocity) ** 2))
+        return [y[1] - speed, -y[0] - damping * y[1] - level]
+
+    def falls(_: float, y: np.ndarray) -> float:
+        return float(y[1] - 0.1)
+
+    falls.direction = -1.0  # type: ignore[attr-defined]
+    run = solve_ivp(
+        rate, (0.0, 600.0), [-0.8, 0.09], "DOP853", events=falls, rtol=1e-10, atol=1e-12
+    )
+    assert np.diff(run.t_events[0])[-1] == pytest.approx(cycle.period_s, rel=1e-7)
+    path = trace_joint(made, cycle)
+    assert path.time[-1] == pytest.approx(cycle.period_s, rel=1e-12)
+    np.testing.assert_allclose(path.state[-1, 1:], path.state[0, 1:], atol=1e-9)
+
+
+def test_a_slide_without_end_is_followed_for_a_while_only() -> None:
+    """Friction that does not fall on a belt without damping: every motion goes on as it is."""
+    spring, unit = np.array([[0.0, 1.0], [-1.0, 0.0]]), np.array([0.0, 1.0])
+    made = joint(spring, unit, unit, Friction(alpha0=0.5), "coulomb", np.array([0.1, 0.0]))
+    cycle = joint_cycle(made, np.array([0.5, -0.05]))
+    assert cycle.kind == "irregular"
+    # 0.1, and what the ends of the time that was seen add to the mean motion.
+    assert 0.1 <= cycle.peak_to_peak <= 0.2

@@ -92,11 +92,13 @@ def friction_law(name: str, parameters: Friction | None = None) -> laws.Friction
         The law, as :func:`furuta.describing_function` and :class:`furuta.IdealLoop` take it.
 
     Raises:
-        ParameterError: There is no such law.
+        ParameterError: There is no such law, or a parameter is outside its range.
     """
     if name not in laws.LAWS:
         raise ParameterError(f"no friction law {name}; laws are {', '.join(laws.LAWS)}")
-    return laws.friction_law(name, parameters or Friction())
+    parameters = parameters or Friction()
+    laws.check_friction(name, parameters)
+    return laws.friction_law(name, parameters)
 
 
 def friction_nonlinearity(

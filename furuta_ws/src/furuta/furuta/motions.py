@@ -96,8 +96,8 @@ def friction_joint(
         offset: r (n,) of ẋ = A x + b f + r, for example of a reference that moves; by default 0.
 
     Raises:
-        ParameterError: The system is not linear with one force and one speed, or the law is not
-            analysed.
+        ParameterError: The system is not linear with one force and one speed, the law is not
+            analysed, or a parameter of friction is outside its range.
     """
     return joints.joint(*joints.matrices(system), friction, law, offset)
 

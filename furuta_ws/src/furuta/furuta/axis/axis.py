@@ -14,14 +14,13 @@ Units are kg m², rad and N m, or kg, m and N.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from furuta.limit_cycles.joint import Joint, JointCycle, final_motion, joint
 from furuta.limit_cycles.linear_loop import BRISTLE, W
-from furuta_model.friction.laws import find_law
+from furuta_model.friction.laws import FALLING, check_friction, find_law
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -101,13 +100,14 @@ def servo_joint(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint
 
 def check_axis(axis: Axis, controller: Controller, speed: float = 0.0) -> None:
     """Reject numbers of an axis that are not finite, and negative ones."""
-    numbers = np.array([axis.inertia, speed, *controller, *axis.friction])
+    check_friction(axis.law, axis.friction)
+    numbers = np.array([axis.inertia, speed, *controller])
     if not (np.all(np.isfinite(numbers)) and axis.inertia > 0.0):
         raise ParameterError(
             f"inertia must be above 0 and all numbers finite, given inertia {axis.inertia:g}"
         )
-    if min(controller) < 0.0 or highest_level(axis.friction) <= 0.0:
-        raise ParameterError("gains, times and levels of friction must not be negative")
+    if min(controller) < 0.0:
+        raise ParameterError(f"gains and times must not be negative, given {tuple(controller)}")
 
 
 def _closed(controller: Controller, inertia: float, speed: float) -> tuple[np.ndarray, np.ndarray]:
@@ -234,25 +234,18 @@ def parse_friction(text: str, law: str) -> Friction:
         if name not in Friction._fields:
             known = ", ".join(Friction._fields)
             raise ParameterError(f"friction must be NAME=VALUE,... of {known}; given {part!r}")
-        given[name] = _number(name, value)
+        try:
+            given[name] = float(value)
+        except ValueError:
+            raise ParameterError(f"{name} must be a number, given {value!r}") from None
     needed = ["alpha0"]
-    if given.get("alpha1") and law in ("stribeck", "lugre"):
+    if given.get("alpha1") and law in FALLING:
         needed.append("stribeck_velocity")
     if find_law(law).bristle:
         needed.append("sigma0")
     missing = [name for name in needed if not given.get(name)]
     if missing:
         raise ParameterError(f"friction of the law {law} needs {', '.join(missing)} above 0")
-    return NOTHING._replace(**{"sigma1": 0.0, **given})
-
-
-def _number(name: str, text: str) -> float:
-    """A number of at least 0, or an asymmetry."""
-    low, high = (-1.0, 1.0) if name == "asymmetry" else (0.0, 1e12)
-    try:
-        value = float(text)
-    except ValueError:
-        value = float("nan")
-    if not (isfinite(value) and low <= value <= high):
-        raise ParameterError(f"{name} must be {low:g} to {high:g}, given {text!r}")
-    return value
+    friction = NOTHING._replace(**{"sigma1": 0.0, **given})
+    check_friction(law, friction)
+    return friction

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Cascade, Controller, Pid, servo_cycle, servo_joint
+from furuta.axis.axis import Axis, Cascade, Controller, Pid, check_axis, servo_cycle, servo_joint
 from furuta.limit_cycles.joint import trace_joint
 from furuta_model.optional import needed_by
 from furuta_model.parameters import ParameterError
@@ -60,6 +60,7 @@ class _Slides:
     """The axis over (v, e, integral of the error or of the speed's error), in balls."""
 
     def __init__(self, axis: Axis, controller: Controller) -> None:
+        check_axis(axis, controller)
         friction = axis.friction
         if axis.law != "stiction" or friction.alpha1 <= 0.0:
             raise ParameterError(

@@ -15,6 +15,7 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.periodic_orbit import REST, REST_STEP, LimitCycle, Section, periodic_orbit
 from furuta.limit_cycles.smooth_motion import CLOSEST, FURTHER
 from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI_DOT
 
 FIRST_STEP = 0.02  # along the scaled curve, where the range of the parameter is 1
 LARGEST_STEP = 0.05
@@ -59,7 +60,9 @@ class Branch:
                 f"the cycle at {value:g} cannot be followed: its period is infinite, because the "
                 "arm creeps to an unstable rest"
             )
-        self._turns = cycle.turns
+        if cycle.point[PHI_DOT] != 0.0:
+            raise ParameterError(f"the cycle at {value:g} cannot be followed: it never reverses")
+        self._turns, self._side = cycle.turns, cycle.side
         usual = Section(self._loop_at(value)).smallest
         self._smallest = cycle.smallest_slide if cycle.smallest_slide < usual else None
         start = self._pack(value, cycle)
@@ -126,7 +129,7 @@ class Branch:
         return np.append(s, (value - self._low) / self._range)
 
     def _section(self, value: float) -> Section:
-        return Section(self._loop_at(value), self._smallest)
+        return Section(self._loop_at(value), self._smallest, self._side)
 
     def _closest(self, w: np.ndarray) -> float:
         """Least distance from a rest of the motion that starts at ``w``."""

@@ -15,15 +15,21 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
 from furuta.limit_cycles.smooth_motion import (
     AT_REST,
     EVENT,
+    FURTHER,
     HIGH,
     LEFT_REST,
     LOW,
     NEAR_REST,
+    OTHER_SIDE,
+    STEPS,
     extent_at,
     integrate,
 )
 from furuta_model.compiled import compiled
 from furuta_model.state import BRISTLE, PHI
+
+LONGEST_SLIDE = 1000.0  # scaled time that an integration takes for one without end
+MOST_REVERSALS = 32  # of one side that a period has, and that come without one of the other side
 
 
 @compiled
@@ -64,7 +70,8 @@ def _follow_linear(
 ) -> tuple[int, float, int]:
     if mode == 0.0 or loop.law.constant_level:
         return follow_exactly(y, mode, time_limit, extent, trace, loop)
-    ended, duration, rows = integrate(y, mode, time_limit, loop, False, extent, trace)
+    limit = min(time_limit, LONGEST_SLIDE)
+    ended, duration, rows = integrate(y, mode, limit, loop, False, extent, trace)
     # What disturbs a linear loop at rest does not grow there: see rest_stability.
     return AT_REST if ended == NEAR_REST else ended, duration, rows
 
@@ -124,22 +131,25 @@ def _shift(y: np.ndarray, extent: np.ndarray, phi: float, z: float) -> None:
 
 
 @compiled
-def follow_to_upper_reversal(
+def follow_to_reversal(
     y: np.ndarray,
     mode: float,
     time_limit: float,
     loop: FrictionLoop,
+    side: float,
     smallest: float,
     extent: np.ndarray,
     trace: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Follow the motion until the arm stops moving forward (v = 0 from above).
+    """Follow the motion until the arm stops moving in the direction ``side`` (±1).
 
     A reversal counts only after a slide of ``smallest`` [rad], because the stuck arm oscillates on
     a stiff bristle. ``mode`` is the piece that begins at ``y``. Returns the same as
-    :func:`follow_piece`; after EVENT the next piece is ``next_mode(y, 1.0, loop)``.
+    :func:`follow_piece`; after EVENT the next piece is ``next_mode(y, side, loop)``. OTHER_SIDE
+    ends a motion that only reverses after slides in the other direction, at such a reversal: where
+    friction or a reference drives it in one direction, it never slides in the other.
     """
-    t, rows = 0.0, 0
+    t, rows, others = 0.0, 0, 0
     while True:
         start = y[PHI]
         ended, duration, more = follow_piece(y, mode, time_limit - t, extent, trace[rows:], loop)
@@ -148,6 +158,11 @@ def follow_to_upper_reversal(
         rows += more
         if ended != EVENT:
             return ended, t, rows
-        if mode == 1.0 and y[PHI] - start >= smallest:
-            return EVENT, t, rows
+        if mode * (y[PHI] - start) >= smallest and mode != 0.0:
+            if mode == side:
+                return EVENT, t, rows
+            others += 1
+            extent[FURTHER, STEPS] = 0.0
+            if others == MOST_REVERSALS:
+                return OTHER_SIDE, t, rows
         mode = next_mode(y, mode, loop)

@@ -21,7 +21,12 @@ from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
 from furuta.limit_cycles.rest_stability import STILL
 from furuta_model.arguments import check
-from furuta_model.friction.laws import analysed_law, sliding_level, steady_friction
+from furuta_model.friction.laws import (
+    analysed_law,
+    check_friction,
+    sliding_level,
+    steady_friction,
+)
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, shortened
@@ -92,10 +97,11 @@ class JointCycle(NamedTuple):
     """Final motion of a joint (``kind``: limit_cycle, rest, steady, unbounded, irregular).
 
     ``peak_to_peak`` is that of the position [m or rad], without its mean motion. ``start`` is the
-    state x (n,) at the upper reversal. A rest, or a steady motion at constant speed, has a
-    ``growth_rate_1_s`` instead of multipliers: -inf where nothing but other rests is near, 0 where
-    an integrator leaves the rest and comes back. An irregular motion was seen over ``observed_s``
-    after ``transient_s``.
+    state x (n,) at the upper reversal; at the lower one if there is no upper one, and where the
+    speed falls through the middle of its range if the joint never stops. A rest, or a steady motion
+    at constant speed, has a ``growth_rate_1_s`` instead of multipliers: -inf where nothing but
+    other rests is near, 0 where an integrator leaves the rest and comes back. An irregular motion
+    was seen over ``observed_s`` after ``transient_s``.
     """
 
     kind: str
@@ -187,8 +193,10 @@ def joint(
         offset: r (n,), for example of a reference that moves at constant speed.
 
     Raises:
-        ParameterError: The law is not analysed, or the matrices do not fit.
+        ParameterError: The law is not analysed, a parameter of friction is outside its range, or
+            the matrices do not fit.
     """
+    check_friction(law, friction)
     a, b, c = (np.array(part, dtype=float) for part in (a, b, c))
     n = len(b)
     r = np.zeros(n) if offset is None else np.array(offset, dtype=float)

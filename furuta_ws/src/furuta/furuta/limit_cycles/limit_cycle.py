@@ -9,7 +9,15 @@ search goes on.
 import numpy as np
 
 from furuta.describing_functions.steady_rotation import rotation_growth
-from furuta.limit_cycles.friction_loop import FrictionLoop, first_mode, next_mode, rate
+from furuta.limit_cycles.exact_motion import MOST_REVERSALS
+from furuta.limit_cycles.friction_loop import (
+    FrictionLoop,
+    first_mode,
+    next_mode,
+    rate,
+    rest_distance,
+)
+from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import (
     REST,
@@ -18,6 +26,7 @@ from furuta.limit_cycles.periodic_orbit import (
     Section,
     limit_cycle_through,
     periodic_orbit,
+    slip_cycle,
 )
 from furuta.limit_cycles.rest_stability import FRICTIONLESS, rest_stability, rest_state
 from furuta.limit_cycles.smooth_motion import (
@@ -27,8 +36,10 @@ from furuta.limit_cycles.smooth_motion import (
     HIGH,
     LOW,
     MAX_STEPS,
+    OTHER_SIDE,
     STEPS,
     STUCK,
+    TIME_OUT,
     TOO_STIFF,
     UNBOUNDED,
 )
@@ -39,11 +50,15 @@ from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 RETURNS = 3000  # after which, or after a long time, the motion is classified as irregular
 MOTION_RETURNS = 10  # times the longest return
 MIN_RETURNS = 60  # followed however long they take
+SLIDES = 3  # long slides of a linear loop after which it is taken to slide for ever
 WINDOWS = 20  # times without a reversal that the motion is followed on
-MAX_TURNS = 4  # largest number of upper reversals per period
 NEARBY = 0.05  # relative change of the section point below which Newton's method is started
+FEW_TURNS = 4  # reversals after which a motion comes near itself hardly by chance
+VERY_NEARBY = 2e-3  # part of NEARBY, after more reversals
 REPEATED = 1e-7  # relative change of the section point that is no change
 SAME_SIZE = 1e-4  # such a change relative to the size of a cycle
+SAME_POINT = 1e-6  # difference relative to it within which two points of a cycle are one
+HELD = 1e-3  # largest distance from an equilibrium where a motion of size 0 is at rest
 MUCH_CLOSER = 0.1  # ratio of such changes from which another period than the failed one is tried
 STEADY = 0.01  # relative change of speed over the longest return of a steady rotation
 STILL = 1e-6  # largest speed [rad/s] and angle [rad] of the pendulum in a steady rotation
@@ -114,6 +129,7 @@ class _Search:
             turns=len(ends),
             point=tuple(start),
             smallest_slide=self._section.smallest,
+            side=self._section.side,
             transient_s=sum(end.time for _, end in self._seen[:half]),
             observed_s=observed,
         )
@@ -129,7 +145,9 @@ class _Search:
         """The final motion, if it is known after this return."""
         if end.ended == UNBOUNDED:
             return LimitCycle("unbounded")
-        stiff = number == 0 and end.extent[FURTHER, STEPS] > 0.5 * MAX_STEPS
+        stiff = (
+            number == 0 and end.ended != TIME_OUT and end.extent[FURTHER, STEPS] > 0.5 * MAX_STEPS
+        )
         if stiff or end.ended == TOO_STIFF:  # soon, if a later slide may need too many steps
             raise ParameterError(
                 "the bristle is too fast to follow: sigma0 is too large, or the friction level of "
@@ -139,13 +157,22 @@ class _Search:
         if self._excursions:
             self._excursions[-1].include(end)
         size = _size(end)
-        if end.ended == AT_REST or (end.ended == EVENT and size < REST):
+        if end.ended == AT_REST or (end.ended == EVENT and size < REST and self._is_held()):
             return self._at_rest()
+        if end.ended == OTHER_SIDE:
+            self._section = Section(self._loop, self._section.smallest, -self._section.side)
+            self._points = []
+            return None
         if end.ended != EVENT:
             return self._without_return(end)
         self._points.append(end.y[self._section.free])
         self._largest = max(self._largest, size)
         return self._cycle(number) if number >= self._next_attempt else None
+
+    def _is_held(self) -> bool:
+        """Whether friction holds all of the loop at ``y``, not only the joint for an instant."""
+        mode = self._section.side if self._loop.law.bristle else 0.0
+        return bool(rest_distance(self._y, mode, self._loop) < HELD)
 
     def _cycle(self, number: int) -> LimitCycle | None:
         """The stable cycle near the last return, if the motion nearly repeats.
@@ -170,7 +197,9 @@ class _Search:
     def _cycle_near_last(self, turns: int, closeness: float) -> LimitCycle | None:
         point = self._points[-1]
         cycle = periodic_orbit(self._section, point, turns, self._largest)
-        if cycle is None and closeness < REPEATED:
+        if cycle is not None:
+            return self._with_smallest_period(cycle)
+        if closeness < REPEATED:
             # Newton's method needs a smooth map; beside an unstable rest it may not be.
             cycle = limit_cycle_through(self._section, point, turns, self._largest)
             change = closeness * float(np.linalg.norm(point))
@@ -178,11 +207,30 @@ class _Search:
                 return None  # it dies out beside a state that does not
         return cycle
 
+    def _with_smallest_period(self, cycle: LimitCycle) -> LimitCycle:
+        """The same cycle over a part of the period, if it repeats within it.
+
+        A motion that approaches a cycle from one side and the other in turn comes near itself after
+        two periods first.
+        """
+        s = np.array(cycle.point)[self._section.free]
+        for turns in range(1, cycle.turns // 2 + 1):
+            if cycle.turns % turns == 0:
+                end = self._section.map(s, turns)
+                if end is not None and np.linalg.norm(end - s) < SAME_POINT * self._largest:
+                    whole = periodic_orbit(self._section, s, turns, self._largest)
+                    return whole or cycle
+        return cycle
+
     def _without_return(self, end: Return) -> LimitCycle | None:
         """A steady rotation, or None: then the motion is followed on."""
         y, v = end.y, float(end.y[PHI_DOT])
         self._windows += 1
         self._mode = float(np.sign(v)) or next_mode(y, 1.0, self._loop)
+        if isinstance(self._loop, LinearLoop):
+            if self._windows < SLIDES:
+                return None
+            return slip_cycle(self._loop, y) or self._irregular()
         slides = _size(end) <= abs(y[PHI] - self._start[PHI]) * (1.0 + 1e-9)
         if isinstance(self._loop, IdealLoop) and _is_steady(y, self._loop):
             return self._rotation(y, self._loop)
@@ -193,7 +241,7 @@ class _Search:
             return LimitCycle("unbounded") if grows else self._irregular()
         if not slides and self._windows > 1:
             # The arm oscillates by less than what counted as a slide.
-            self._section = Section(self._loop, SLIDE * _size(end))
+            self._section = Section(self._loop, SLIDE * _size(end), self._section.side)
             self._points = []
         return None
 
@@ -266,11 +314,13 @@ def _size(end: Return) -> float:
 def _recurrences(points: list[np.ndarray]) -> list[tuple[int, float]]:
     """Numbers of reversals after which the motion nearly repeats, and the relative change then."""
     size = float(np.linalg.norm(points[-1]))
-    changes = [
-        (turns, float(np.linalg.norm(points[-1] - points[-1 - turns])))
-        for turns in range(1, min(MAX_TURNS, len(points) - 1) + 1)
-    ]
-    return [(turns, change / size) for turns, change in changes if change < NEARBY * size]
+    found = []
+    for turns in range(1, min(MOST_REVERSALS, len(points) - 1) + 1):
+        change = float(np.linalg.norm(points[-1] - points[-1 - turns]))
+        near = NEARBY if turns <= FEW_TURNS else VERY_NEARBY * NEARBY
+        if change < near * size:
+            found.append((turns, change / size))
+    return found
 
 
 def _is_steady(y: np.ndarray, loop: IdealLoop) -> bool:

@@ -29,6 +29,7 @@ FIRST_STEP, LONGEST_DRAWN = 1e-3, 0.02
 CURVED = 1e-3  # deviation of what ends the motion from the cubic, relative to its size
 TERMS = 13  # of the exponential, for matrices of norm 1/2
 BISECTIONS = 60
+MOST_STEPS = 50_000  # of a slide: one that does not end oscillates for ever
 
 
 @compiled
@@ -43,10 +44,11 @@ def follow_exactly(
     """Follow one piece of motion in place; arguments and result are those of ``follow_piece``."""
     m = _generator(mode, loop)
     x = np.append(y, 1.0)
-    t, h, rows = 0.0, FIRST_STEP, 0
+    t, h, rows, steps = 0.0, FIRST_STEP, 0, 0
     half = _exponential(m, 0.5 * h)
     longest = LONGEST_DRAWN if len(trace) and mode != 0.0 else np.inf
-    while t < time_limit:
+    while t < time_limit and steps < MOST_STEPS:
+        steps += 1
         middle = half @ x
         end = half @ middle
         at_start, at_middle, at_end = (

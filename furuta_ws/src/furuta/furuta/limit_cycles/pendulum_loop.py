@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction.laws import FrictionLaw, sliding_level
+from furuta_model.friction.laws import FrictionLaw, check_friction, sliding_level
 from furuta_model.parameters import ParameterError, validated
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
@@ -73,6 +73,7 @@ class IdealLoop(NamedTuple):
     def check(self) -> None:
         """Raise :class:`ParameterError` if it cannot be followed."""
         validated(self.body)
+        check_friction(self.law.name, self.law.parameters)
         numbers = (*self.gains, self.held)
         if not all(abs(number) <= LARGEST_GAIN for number in numbers):
             limit = f"finite and at most {LARGEST_GAIN:g}"

@@ -1,8 +1,9 @@
 """Periodic orbits of a loop with friction as fixed points of its Poincaré map P.
 
-The section is the joint's upper reversal, v = 0 from above. There the state has n free coordinates:
-all but v, without the bristle where there is none, and without a position on which nothing depends.
-P leads from one upper reversal to the next.
+The section is the joint's upper reversal, v = 0 from above; of a motion that never slides forward
+the lower one, v = 0 from below. There the state has n free coordinates: all but v, without the
+bristle where there is none, and without a position on which nothing depends. P leads from one such
+reversal to the next.
 
 A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. Its Floquet
 multipliers are the eigenvalues of dP/ds.
@@ -12,24 +13,39 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.exact_motion import follow_to_upper_reversal
+from furuta.limit_cycles.exact_motion import follow_piece, follow_to_reversal
 from furuta.limit_cycles.friction_loop import (
     BRISTLE,
     FrictionLoop,
     control,
     friction_at,
     next_mode,
+    rate,
     smallest_slide,
 )
-from furuta.limit_cycles.smooth_motion import CLOSEST, EVENT, FURTHER, HIGH, LOW, STUCK, extent_at
+from furuta.limit_cycles.linear_loop import LinearLoop
+from furuta.limit_cycles.smooth_motion import (
+    CLOSEST,
+    EVENT,
+    FURTHER,
+    HIGH,
+    LOW,
+    STUCK,
+    TIME_OUT,
+    extent_at,
+)
 from furuta_model.parameters import ParameterError
-from furuta_model.state import PHI, THETA
+from furuta_model.state import PHI, PHI_DOT, THETA
 
 MAX_TRACE = 200_000  # rows between two upper reversals
 REST = 1e-7  # [rad] peak to peak below which the arm is at rest
 TOLERANCE = 1e-9  # Newton correction, relative to the size of the cycle
 NEWTON_STEPS = 25
 DIFFERENCE_STEP = 1e-6  # of the finite differences, relative to the size of the cycle
+DIFFERENCE_PARTS = (1.0, 0.1, 0.01)  # of that step, for the multipliers
+# Largest bend of the map over a step, relative to the difference. It bends where a joint that just
+# sticks after a slide slides on at one end of the step.
+BEND = 0.1
 # Limit of that step, relative to the least distance from a rest, to stay on one side of it.
 REST_STEP = 1e-2
 
@@ -46,11 +62,14 @@ class Return(NamedTuple):
 class Section:
     """The Poincaré map of a loop in its free coordinates.
 
-    A reversal counts only after a slide of ``smallest`` [rad].
+    A reversal counts only after a slide of ``smallest`` [rad] in the direction ``side`` (±1).
     """
 
-    def __init__(self, loop: FrictionLoop, smallest: float | None = None) -> None:
+    def __init__(
+        self, loop: FrictionLoop, smallest: float | None = None, side: float = 1.0
+    ) -> None:
         self.loop = loop
+        self.side = side
         self.smallest = smallest_slide(loop) if smallest is None else smallest
         self.free = loop.free
         self._no_trace = np.empty((0, loop.states + 1))
@@ -62,18 +81,25 @@ class Section:
         return y
 
     def follow(self, y: np.ndarray, mode: float | None = None, turns: int = 1) -> Return:
-        """Follow the motion to the ``turns``-th upper reversal.
+        """Follow the motion to the ``turns``-th reversal.
 
-        ``mode`` is the piece of motion that begins at ``y``; None if ``y`` is an upper reversal.
+        ``mode`` is the piece of motion that begins at ``y``; None if ``y`` is a reversal.
         """
         y = y.copy()
         extent = extent_at(y)
         time = 0.0
         for _ in range(turns):
-            first = next_mode(y, 1.0, self.loop) if mode is None else mode
+            first = next_mode(y, self.side, self.loop) if mode is None else mode
             mode = None
-            ended, duration, _ = follow_to_upper_reversal(
-                y, first, self.loop.longest_return, self.loop, self.smallest, extent, self._no_trace
+            ended, duration, _ = follow_to_reversal(
+                y,
+                first,
+                self.loop.longest_return,
+                self.loop,
+                self.side,
+                self.smallest,
+                extent,
+                self._no_trace,
             )
             time += duration
             if ended != EVENT:
@@ -85,10 +111,15 @@ class Section:
         end = self.follow(self.state(s), turns=turns)
         return end.y[self.free] if end.ended == EVENT else None
 
-    def jacobian(self, s: np.ndarray, turns: int, size: float) -> np.ndarray | None:
-        """dP/ds by central differences, or None if the motion does not return."""
-        closest = float(self.follow(self.state(s), turns=turns).extent[FURTHER, CLOSEST])
-        step = min(DIFFERENCE_STEP * size, REST_STEP * closest)
+    def jacobian(
+        self, s: np.ndarray, turns: int, size: float, parts: tuple[float, ...] = (1.0,)
+    ) -> np.ndarray | None:
+        """dP/ds by central differences, or None if the motion does not return.
+
+        Of the ``parts`` of the usual step the first is taken over which the map hardly bends.
+        """
+        end = self.follow(self.state(s), turns=turns)
+        step = min(DIFFERENCE_STEP * size, REST_STEP * float(end.extent[FURTHER, CLOSEST]))
         columns = []
         for i in range(len(s)):
             # The deflection of the bristle is a torque divided by σ₀.
@@ -98,11 +129,15 @@ class Section:
                 else 1.0
             )
             d = np.zeros_like(s)
-            d[i] = step / scale
-            ahead, behind = self.map(s + d, turns), self.map(s - d, turns)
-            if ahead is None or behind is None:
-                return None
-            columns.append((ahead - behind) / (2 * d[i]))
+            for part in parts:
+                d[i] = part * step / scale
+                ahead, behind = self.map(s + d, turns), self.map(s - d, turns)
+                if ahead is None or behind is None:
+                    return None
+                change, bend = ahead - behind, ahead + behind - 2.0 * end.y[self.free]
+                if np.linalg.norm(bend) < BEND * max(float(np.linalg.norm(change)), step):
+                    break
+            columns.append(change / (2 * d[i]))
         return np.array(columns).T
 
 
@@ -111,8 +146,9 @@ class LimitCycle(NamedTuple):
 
     ``stuck_fraction`` is the part of the period in which the arm sticks, ``floquet_multipliers``
     the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
-    the arm per period, ``point`` the state (5,) at the first of them; a reversal counts after a
-    slide of ``smallest_slide`` [rad].
+    the arm per period, of lower ones if ``side`` is -1 because the arm never slides forward, and
+    ``point`` the state (5,) at the first of them; a reversal counts after a slide of
+    ``smallest_slide`` [rad]. The ``point`` of a cycle without reversals has a speed.
     ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
     ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative;
     0 at a rest that an integrator leaves and comes back to.
@@ -138,10 +174,15 @@ class LimitCycle(NamedTuple):
     growth_rate_1_s: float = float("nan")
     transient_s: float = float("nan")
     observed_s: float = float("nan")
+    side: float = 1.0
 
     @property
     def stable(self) -> bool:
-        """Whether disturbances decay, by all Floquet multipliers or by the growth rate."""
+        """Whether disturbances decay, by all Floquet multipliers; at a rest by the growth rate.
+
+        A motion with an infinite period is stable. Its growth rate is that of the rest which it
+        leaves by a disturbance and to which it comes back: it ends the pause, not the motion.
+        """
         if self.kind in ("rest", "rotation"):
             return self.growth_rate_1_s <= 0.0
         return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
@@ -149,7 +190,7 @@ class LimitCycle(NamedTuple):
     def report(self) -> dict[str, Any]:
         """Everything by name, except the section point; multipliers as real and imaginary part."""
         fields = self._asdict()
-        del fields["point"], fields["smallest_slide"]
+        del fields["point"], fields["smallest_slide"], fields["side"]
         multipliers = [[m.real, m.imag] for m in self.floquet_multipliers]
         return {**fields, "floquet_multipliers": multipliers, "stable": self.stable}
 
@@ -187,7 +228,7 @@ def limit_cycle_through(
 ) -> LimitCycle | None:
     """The periodic motion through the fixed point ``s``; None if the arm is at rest."""
     end = section.follow(section.state(s), turns=turns)
-    jacobian = section.jacobian(s, turns, size)
+    jacobian = section.jacobian(s, turns, size, DIFFERENCE_PARTS)
     sizes = end.extent[HIGH] - end.extent[LOW]
     phi = float(sizes[PHI])
     if jacobian is None or phi < REST:
@@ -204,7 +245,75 @@ def limit_cycle_through(
         tuple(section.state(s)),
         section.smallest,
         float(end.extent[FURTHER, CLOSEST]),
+        side=section.side,
     )
+
+
+def slip_cycle(loop: LinearLoop, y: np.ndarray) -> LimitCycle | None:
+    """The periodic motion near ``y`` of a joint that slides without a reversal; None if not found.
+
+    Its point is where the speed falls through the middle of its range. Newton's method finds the
+    other states there, and the period.
+    """
+    mode = float(np.sign(y[PHI_DOT]))
+    moving = slice(PHI_DOT, loop.states if loop.law.bristle else loop.states - 1)
+    rows = np.empty((MAX_TRACE, loop.states + 1))
+    ended, _, n = follow_piece(y.copy(), mode, loop.longest_return, extent_at(y), rows, loop)
+    v = rows[:n, 1 + PHI_DOT]
+    middle = 0.5 * (v.min() + v.max())
+    falls = np.flatnonzero((v[:-1] > middle) & (v[1:] <= middle))
+    if ended != TIME_OUT or len(falls) < 2:
+        return None
+    period = float(rows[falls[-1], 0] - rows[falls[-2], 0])
+    s, size = rows[falls[-1], 1:].copy(), float(np.ptp(v))
+    s[PHI] = 0.0
+    steps = np.full(len(s[moving]), DIFFERENCE_STEP * size)
+    if loop.law.bristle:
+        steps[BRISTLE] /= loop.law.parameters.sigma0
+    speed = np.empty(loop.states)
+    for _ in range(NEWTON_STEPS):
+        extent = extent_at(s)
+        end = _slid(loop, s, mode, period, extent)
+        rate(end, mode, loop, speed)
+        columns = []
+        for k, step in enumerate(steps):
+            ahead, behind = s.copy(), s.copy()
+            ahead[PHI_DOT + k] += step
+            behind[PHI_DOT + k] -= step
+            change = _slid(loop, ahead, mode, period) - _slid(loop, behind, mode, period)
+            columns.append(change[moving] / (2.0 * step))
+        flow = np.array(columns).T
+        if not np.all(np.isfinite(flow)):
+            return None
+        system = np.column_stack([(flow - np.eye(len(flow)))[:, 1:], speed[moving]])
+        correction = np.linalg.lstsq(system, (s - end)[moving], rcond=None)[0]
+        if np.linalg.norm(correction) < TOLERANCE * size:
+            multipliers = sorted(np.linalg.eigvals(flow), key=lambda m: abs(m - 1.0))[1:]
+            return LimitCycle(
+                "oscillation",
+                float(extent[HIGH, PHI] - extent[LOW, PHI]),
+                float(extent[HIGH, THETA] - extent[LOW, THETA]),
+                period,
+                float(end[PHI]) / period,
+                0.0,
+                tuple(complex(m) for m in sorted(multipliers, key=abs, reverse=True)),
+                point=tuple(s),
+                rest_distance=float(extent[FURTHER, CLOSEST]),
+                side=mode,
+            )
+        s[moving][1:] += correction[:-1]
+        period += float(correction[-1])
+    return None
+
+
+def _slid(
+    loop: LinearLoop, s: np.ndarray, mode: float, time: float, extent: np.ndarray | None = None
+) -> np.ndarray:
+    """The state after a slide of ``time`` from ``s``; NaN if it ends before."""
+    y = s.copy()
+    extent = extent_at(s) if extent is None else extent
+    ended, _, _ = follow_piece(y, mode, time, extent, np.empty((0, loop.states + 1)), loop)
+    return y if ended == TIME_OUT else np.full(loop.states, np.nan)
 
 
 class Trajectory(NamedTuple):
@@ -225,9 +334,16 @@ def trace(loop: FrictionLoop, cycle: LimitCycle) -> Trajectory:
     buffer = np.empty((MAX_TRACE, loop.states + 1))
     elapsed = 0.0
     for _ in range(cycle.turns):
-        mode = next_mode(y, 1.0, loop)
-        _, duration, n = follow_to_upper_reversal(
-            y, mode, loop.longest_return, loop, cycle.smallest_slide, extent_at(y), buffer
+        slides = float(np.sign(y[PHI_DOT]))  # without a reversal
+        _, duration, n = follow_to_reversal(
+            y,
+            slides or next_mode(y, cycle.side, loop),
+            cycle.period_s if slides and cycle.period_s > 0.0 else loop.longest_return,
+            loop,
+            cycle.side,
+            cycle.smallest_slide,
+            extent_at(y),
+            buffer,
         )
         part = buffer[:n].copy()
         part[:, 0] += elapsed

@@ -25,8 +25,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.friction_loop import FrictionLoop, rate, rest_distance
-from furuta.limit_cycles.linear_loop import LinearLoop
+from furuta.limit_cycles.friction_loop import FrictionLoop, rate, rest_distance, stuck_rate
+from furuta.limit_cycles.linear_loop import LinearLoop, W
 from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
 from furuta_model.friction.laws import breakaway_level, sliding_level
 from furuta_model.friction.lugre import highest_level
@@ -118,8 +118,13 @@ def _linear(y: np.ndarray, loop: LinearLoop) -> RestStability:
     if direction is None or growth > 0.0:
         return RestStability(growth, ())
     # An integrator moves the holding force, however small the error: what follows decides.
-    disturbance = np.zeros(loop.states)
-    disturbance[PHI_DOT + 1 : -1] = direction
+    disturbance, drift = np.zeros(loop.states), np.zeros(loop.states)
+    disturbance[W:-1] = direction
+    if loop.law.parameters.asymmetry != 0.0 or np.any(loop.r):
+        # An error of either sign may come first. It is that against the one that is left, so that
+        # mirror images of a loop end in mirror images.
+        stuck_rate(y, drift, loop)
+        disturbance *= -np.sign(drift[W:-1] @ stuck @ direction) or 1.0
     return RestStability(0.0, (disturbance, -disturbance))
 
 

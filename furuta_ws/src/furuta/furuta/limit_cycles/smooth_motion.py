@@ -29,6 +29,7 @@ TOO_STIFF = 3  # the bristle is too fast: the steps become too small
 AT_REST = 4  # closer to a rest than any disturbance
 NEAR_REST = 5  # within the distance from which a rest is the origin
 LEFT_REST = 6  # no longer so
+OTHER_SIDE = 7  # the motion reverses on the other side only
 MAX_STEPS = 1_000_000  # of one extent
 # Distances from a rest: where it becomes and ceases to be the origin, and where it is reached.
 # Disturbances of the last size decide how long the arm stays at an unstable rest.

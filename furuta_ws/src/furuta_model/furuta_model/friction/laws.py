@@ -36,6 +36,10 @@ ALL: tuple[Law, ...] = parts_in("furuta_model.friction", LAWS)
 OWN = len(ALL)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
+# Largest parameter of a joint in units of its own, such as N, m and s.
+LARGEST = 1e12
+# Laws whose level falls with the speed.
+FALLING = ("stribeck", "lugre", "maxwell_slip")
 # The paper's parameters.
 PAPER = Friction()
 _level = by_kind([law.level for law in ALL])
@@ -110,6 +114,23 @@ def _addresses(law: Law) -> tuple[int, int]:
 def _level_at_rest(level: Any) -> Callable[[Friction], float]:
     """The breakaway level of a law that has none of its own: g(0)."""
     return lambda p: level(0.0, p)
+
+
+def check_friction(name: str, p: Friction) -> None:
+    """Reject parameters that friction of this law cannot have, in units of its own.
+
+    Raises:
+        ParameterError: A parameter is negative, not finite or too large, the asymmetry is not
+            within ±1, there is no such law, or a parameter that it divides by is 0.
+    """
+    for parameter, value in p._asdict().items():
+        low, high = (-1.0, 1.0) if parameter == "asymmetry" else (0.0, LARGEST)
+        if not low <= value <= high:
+            raise ParameterError(f"{parameter} must be {low:g} to {high:g}, given {value:g}")
+    needed = {"sigma0": find_law(name).bristle, "stribeck_velocity": name in FALLING}
+    for parameter, divides in needed.items():
+        if divides and getattr(p, parameter) == 0.0:
+            raise ParameterError(f"friction of the law {name} needs {parameter} above 0")
 
 
 def analysed_law(name: str, parameters: Friction) -> FrictionLaw:
