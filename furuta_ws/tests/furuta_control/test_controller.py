@@ -247,6 +247,16 @@ def test_super_twisting_is_homogeneous(friction: float) -> None:
         assert u == pytest.approx(control(second[0], x, k * friction, second[1]), abs=1e-9)
 
 
+def test_the_lowest_bandwidth_is_no_correction() -> None:
+    """It is a number like any other, whose square has no reciprocal."""
+    p = ControllerParameters(super_twisting=10.0)
+    lowest = p._replace(super_twisting_bandwidth=5e-227)
+    none = p._replace(super_twisting=0.0)
+    x = np.array([0.0, 0.1, 0.0, 0.0])
+    u, without = (control(memory_of(), x, 0.0, design_controller(each)) for each in (lowest, none))
+    assert u == without
+
+
 def test_strength_changes_without_a_jump() -> None:
     """From the first sample it is the parameter; a change takes time, and 0 is no compensation."""
     p = ControllerParameters(super_twisting=10.0, super_twisting_bandwidth=80.0, strength=2.0)

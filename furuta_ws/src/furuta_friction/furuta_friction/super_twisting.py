@@ -47,6 +47,8 @@ ROLL_OFF = 3.0
 FIRST_PART = 0.25
 # The layer without a bandwidth [V s].
 NO_LAYER = 1e-300
+# Lowest bandwidth [1/s]; below it the layer would overflow, and no correction is left.
+LOWEST = 1e-100
 
 
 @dataclass
@@ -108,9 +110,10 @@ def design(
     """The law for the row ``closed`` (4,) of A − BL, and ``b``, of φ̇."""
     a1, a2, a3, a4 = closed
     limited = bandwidth > 0.0
+    layer = rate_bound * (ROOT / max(bandwidth, LOWEST)) ** 2 if limited else 0.0
     return SuperTwisting(
         rate_bound=rate_bound,
-        layer=max(rate_bound * (ROOT / bandwidth) ** 2, NO_LAYER) if limited else NO_LAYER,
+        layer=max(layer, NO_LAYER),
         share=-expm1(-ROLL_OFF * bandwidth * dt) if limited else 1.0,
         a1=a1,
         a2=a2,
