@@ -43,20 +43,32 @@ def test_a_late_drive_gets_less() -> None:
     assert worst_swing(chosen) < 0.8 * worst_swing(load_settings([], [RECOMMENDED]))
 
 
-@pytest.mark.parametrize(("delay", "lag"), [(0, 40), (12, 20), (15, 20), (20, 10), (20, 30)])
-@pytest.mark.parametrize("level", [0.1, 1.0, 3.0])
-def test_it_is_hardly_worse_than_any_strength_where_all_is_told(
-    delay: int, lag: int, level: float
-) -> None:
-    """Within a count of the best of four strengths, also where the pendulum falls in some cases."""
+def excess(delay: int, lag: float, level: float) -> float:
+    """Swing [rad] beyond the best of four strengths, where the file tells drive and friction."""
     told = [
-        *(f"drive.delay={delay}", f"drive.lag={1e-3 * lag}", "friction.law=coulomb"),
+        *(f"drive.delay={delay}", f"drive.lag={lag}", "friction.law=coulomb"),
         *(f"alpha0={0.21 * level}", f"alpha1={0.022 * level}", RECOMMENDED),
     ]
     strengths = [[], *([f"strength={k}"] for k in (0.1, 0.3, 0.5, 1.0))]
     loops = [loop(load_settings([], [*told, *strength])) for strength in strengths]
     swings = [inf if run.fell else run.phi_peak_to_peak_rad for run in outcomes(loops, 40.0)]
-    assert swings[0] <= min(swings[1:]) + ENCODER_COUNT
+    return swings[0] - min(swings[1:]) if min(swings[1:]) < inf else 0.0
+
+
+@pytest.mark.parametrize(("delay", "lag"), [(0, 0.04), (12, 0.02), (15, 0.02), (20, 0.03)])
+@pytest.mark.parametrize("level", [0.1, 1.0, 3.0])
+def test_hardly_worse_than_any_strength_where_all_is_told(
+    delay: int, lag: float, level: float
+) -> None:
+    """Within a count of the best, also where the pendulum falls in some cases."""
+    assert excess(delay, lag, level) <= ENCODER_COUNT
+
+
+@pytest.mark.long
+def test_hardly_worse_than_any_strength_over_all_late_drives() -> None:
+    drives = product(range(0, 21, 5), (0.0, 0.01, 0.02, 0.03, 0.04), (0.0, 0.1, 1.0, 3.0))
+    worse = {each: beyond for each in drives if (beyond := excess(*each)) > ENCODER_COUNT}
+    assert not worse
 
 
 def test_it_follows_from_the_rig_wherever_it_stands() -> None:
