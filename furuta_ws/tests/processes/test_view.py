@@ -38,10 +38,20 @@ def started(processes: Any, *arguments: str) -> tuple[Any, str]:
     return process, address
 
 
-def test_a_wrong_option_of_the_graph_is_told_before_any_address(processes: Any) -> None:
-    status, out, err = processes.run("view", "--no-open", "--", "--lockstp")
-    assert (status, out) == (2, "")
-    assert "--lockstep" in err
+@pytest.mark.parametrize(
+    ("options", "expected", "reason"),
+    [
+        (["--lockstp"], 2, "--lockstep"),
+        (["--set", "sigma=80"], 1, "error: no parameter sigma; did you mean"),
+        (["--lockstep", "--set", "clock=realtime"], 1, "error: --lockstep sets plant.clock"),
+    ],
+)
+def test_a_graph_that_cannot_start_is_told_before_any_address(
+    processes: Any, options: list[str], expected: int, reason: str
+) -> None:
+    status, out, err = processes.run("view", "--no-open", "--", *options)
+    assert (status, out) == (expected, "")
+    assert reason in err
 
 
 def children(parent: int) -> dict[int, str]:

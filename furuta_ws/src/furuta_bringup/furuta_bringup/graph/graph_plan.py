@@ -43,6 +43,7 @@ class GraphOptions(NamedTuple):
     clock: str = ""  # of the simulated plant
     without: tuple[str, ...] = ()  # nodes to leave out
     namespace: str = ""
+    seconds: float | None = None  # time of the simulated plant at which it pauses
 
 
 class Graph(NamedTuple):
@@ -124,5 +125,6 @@ def _meant(options: GraphOptions) -> dict[str, str]:
         "--port": f"{HARDWARE_BRIDGE}.port={json.dumps(options.port)}" if options.port else "",
         "--read-only": f"{HARDWARE_BRIDGE}.read_only=true" if options.read_only else "",
         f"--{options.clock}": f"{PLANT}.clock={options.clock}" if options.clock else "",
+        "--seconds": "" if options.seconds is None else f"{PLANT}.run_until={options.seconds}",
     }
     return {option: assignment for option, assignment in given.items() if assignment}

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta.settings.nodes import NODES
+from furuta.settings.nodes import HARDWARE_BRIDGE, NODES
 from furuta_bringup.graph.scheduling import Scheduling
 from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
@@ -48,45 +48,29 @@ if TYPE_CHECKING:
 @option("--lock-memory", is_flag=True, help="Keep all memory from being swapped out.")
 @parameter_options
 def command(
-    plant: str,
-    port: str,
-    rig: str,
-    read_only: bool,
-    clock: str | None,
-    without: tuple[str, ...],
-    namespace: str,
     processes: bool,
     record: Path | None,
     topics: tuple[str, ...],
     seconds: float | None,
     priority: int | None,
     lock_memory: bool,
-    files: tuple[Path, ...],
-    assignments: tuple[str, ...],
+    **graph_options: Any,
 ) -> None:
     """Run the graph until Ctrl-C.
 
     With --priority or --lock-memory, the command first prints whether the system granted it.
     """
-    from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
     from furuta_bringup.graph.processes import run_processes
     from furuta_bringup.graph.run_composed import run_hardware, run_simulated
     from furuta_ros.process_end import StopSignal
 
-    hardware = plant == "hardware"
     scheduling = Scheduling(priority or 0, lock_memory)
     if processes and (seconds is not None or scheduling != Scheduling()):
         raise ParameterError(
             "--processes cannot be combined with --seconds, --priority or --lock-memory"
         )
-    if hardware and clock:
-        raise ParameterError("a rig has its own clock: omit --lockstep and --realtime")
-    if not hardware and (port or read_only):
-        raise ParameterError("--port and --read-only need --plant hardware")
-    options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace)
-    graph = plan_graph(options, files, assignments)
-    if not hardware and seconds is not None:
-        graph.settings["plant"]["run_until"] = seconds
+    graph = planned_graph(seconds=seconds, **graph_options)
+    hardware = graph.controlled == HARDWARE_BRIDGE
     lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
     recorder = _recorder(record, topics, graph, stamped=lockstep)
     if processes:
@@ -95,6 +79,37 @@ def command(
         run_hardware(graph, recorder, seconds, scheduling)
     else:
         run_simulated(graph, recorder, seconds, scheduling)
+
+
+def planned_graph(
+    *,
+    plant: str,
+    port: str,
+    rig: str,
+    read_only: bool,
+    clock: str | None,
+    without: tuple[str, ...],
+    namespace: str,
+    seconds: float | None,
+    files: tuple[Path, ...],
+    assignments: tuple[str, ...],
+    **_: Any,
+) -> Graph:
+    """The graph that options of the command describe; how it runs does not matter.
+
+    Raises:
+        ParameterError: Options or parameters are wrong, or do not fit together.
+    """
+    from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
+
+    hardware = plant == "hardware"
+    if hardware and clock:
+        raise ParameterError("a rig has its own clock: omit --lockstep and --realtime")
+    if not hardware and (port or read_only):
+        raise ParameterError("--port and --read-only need --plant hardware")
+    end = None if hardware else seconds
+    options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace, end)
+    return plan_graph(options, files, assignments)
 
 
 def _recorder(

@@ -9,6 +9,7 @@ import click
 from furuta_bringup.graph.scheduling import may_have_priority
 from furuta_bringup.options import namespace_option, option, own_parts_option
 from furuta_model.accepted_parts import accepted_parts
+from furuta_model.parameters import ParameterError
 
 # How far the page stands back for the loop when both want a core.
 NICENESS = 10
@@ -53,17 +54,22 @@ def command(
     from furuta_ros.process_start import child_environment
 
     # What would end the graph at once ends this command, before it prints an address.
-    run.command.make_context("furuta run", list(options))
+    shared = ["--namespace", namespace] if namespace else []
+    chosen = run.command.make_context("furuta run", [*shared, *options]).params
     claim(ros_domain(), namespace or "/").close()
     furuta = str(executable("furuta_bringup", "furuta"))
     page = ["--attach", *(["--no-open"] if no_open else [])]
     page += ["--port", str(port)] if port is not None else []
     page += (own := [word for name in accepted_parts() for word in ("--own-parts", name)])
-    shared = ["--namespace", namespace] if namespace else []
     shown = subprocess.Popen(
         [furuta, "view", *page, *shared], env=child_environment(), stdout=subprocess.PIPE, text=True
     )
     assert shown.stdout is not None
+    try:
+        run.planned_graph(**chosen)  # while the page starts
+    except ParameterError:
+        shown.terminate()
+        raise
     address = shown.stdout.readline()
     if not address:  # the page has failed, and has said why
         sys.exit(shown.wait())
