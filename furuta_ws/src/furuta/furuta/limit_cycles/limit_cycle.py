@@ -26,9 +26,9 @@ from furuta.limit_cycles.periodic_orbit import (
     Section,
     limit_cycle_through,
     periodic_orbit,
-    slip_cycle,
 )
 from furuta.limit_cycles.rest_stability import FRICTIONLESS, rest_stability, rest_state
+from furuta.limit_cycles.slip_cycle import slip_cycle
 from furuta.limit_cycles.smooth_motion import (
     AT_REST,
     EVENT,
@@ -227,21 +227,22 @@ class _Search:
         y, v = end.y, float(end.y[PHI_DOT])
         self._windows += 1
         self._mode = float(np.sign(v)) or next_mode(y, 1.0, self._loop)
-        if isinstance(self._loop, LinearLoop):
+        loop = self._loop
+        if isinstance(loop, LinearLoop):
             if self._windows < SLIDES:
                 return None
-            return slip_cycle(self._loop, y) or self._irregular()
+            return slip_cycle(loop, y) or self._irregular()
         slides = _size(end) <= abs(y[PHI] - self._start[PHI]) * (1.0 + 1e-9)
-        if isinstance(self._loop, IdealLoop) and _is_steady(y, self._loop):
-            return self._rotation(y, self._loop)
+        if _is_steady(y, loop):
+            return self._rotation(y, loop)
         if self._windows > WINDOWS:
-            if slides and not self._loop.may_rotate:  # very slowly, to where friction holds it
+            if slides and not loop.may_rotate:  # very slowly, to where friction holds it
                 return self._at_rest()
             grows = slides and abs(v) > abs(self._start[PHI_DOT])
             return LimitCycle("unbounded") if grows else self._irregular()
         if not slides and self._windows > 1:
             # The arm oscillates by less than what counted as a slide.
-            self._section = Section(self._loop, SLIDE * _size(end), self._section.side)
+            self._section = Section(loop, SLIDE * _size(end), self._section.side)
             self._points = []
         return None
 

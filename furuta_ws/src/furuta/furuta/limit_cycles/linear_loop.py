@@ -51,11 +51,6 @@ class LinearLoop(NamedTuple):
         return [*others, self.states - 1] if self.law.bristle else others
 
     @property
-    def may_rotate(self) -> bool:
-        """A steady motion of the joint counts as a rest of the loop."""
-        return False
-
-    @property
     def longest_return(self) -> float:
         """Longest time between two reversals."""
         return LONGEST_RETURN

@@ -13,17 +13,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.exact_motion import follow_piece, follow_to_reversal
+from furuta.limit_cycles.exact_motion import follow_to_reversal
 from furuta.limit_cycles.friction_loop import (
     BRISTLE,
     FrictionLoop,
     control,
     friction_at,
     next_mode,
-    rate,
     smallest_slide,
 )
-from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.smooth_motion import (
     CLOSEST,
     EVENT,
@@ -31,7 +29,6 @@ from furuta.limit_cycles.smooth_motion import (
     HIGH,
     LOW,
     STUCK,
-    TIME_OUT,
     extent_at,
 )
 from furuta_model.parameters import ParameterError
@@ -247,73 +244,6 @@ def limit_cycle_through(
         float(end.extent[FURTHER, CLOSEST]),
         side=section.side,
     )
-
-
-def slip_cycle(loop: LinearLoop, y: np.ndarray) -> LimitCycle | None:
-    """The periodic motion near ``y`` of a joint that slides without a reversal; None if not found.
-
-    Its point is where the speed falls through the middle of its range. Newton's method finds the
-    other states there, and the period.
-    """
-    mode = float(np.sign(y[PHI_DOT]))
-    moving = slice(PHI_DOT, loop.states if loop.law.bristle else loop.states - 1)
-    rows = np.empty((MAX_TRACE, loop.states + 1))
-    ended, _, n = follow_piece(y.copy(), mode, loop.longest_return, extent_at(y), rows, loop)
-    v = rows[:n, 1 + PHI_DOT]
-    middle = 0.5 * (v.min() + v.max())
-    falls = np.flatnonzero((v[:-1] > middle) & (v[1:] <= middle))
-    if ended != TIME_OUT or len(falls) < 2:
-        return None
-    period = float(rows[falls[-1], 0] - rows[falls[-2], 0])
-    s, size = rows[falls[-1], 1:].copy(), float(np.ptp(v))
-    s[PHI] = 0.0
-    steps = np.full(len(s[moving]), DIFFERENCE_STEP * size)
-    if loop.law.bristle:
-        steps[BRISTLE] /= loop.law.parameters.sigma0
-    speed = np.empty(loop.states)
-    for _ in range(NEWTON_STEPS):
-        extent = extent_at(s)
-        end = _slid(loop, s, mode, period, extent)
-        rate(end, mode, loop, speed)
-        columns = []
-        for k, step in enumerate(steps):
-            ahead, behind = s.copy(), s.copy()
-            ahead[PHI_DOT + k] += step
-            behind[PHI_DOT + k] -= step
-            change = _slid(loop, ahead, mode, period) - _slid(loop, behind, mode, period)
-            columns.append(change[moving] / (2.0 * step))
-        flow = np.array(columns).T
-        if not np.all(np.isfinite(flow)):
-            return None
-        system = np.column_stack([(flow - np.eye(len(flow)))[:, 1:], speed[moving]])
-        correction = np.linalg.lstsq(system, (s - end)[moving], rcond=None)[0]
-        if np.linalg.norm(correction) < TOLERANCE * size:
-            multipliers = sorted(np.linalg.eigvals(flow), key=lambda m: abs(m - 1.0))[1:]
-            return LimitCycle(
-                "oscillation",
-                float(extent[HIGH, PHI] - extent[LOW, PHI]),
-                float(extent[HIGH, THETA] - extent[LOW, THETA]),
-                period,
-                float(end[PHI]) / period,
-                0.0,
-                tuple(complex(m) for m in sorted(multipliers, key=abs, reverse=True)),
-                point=tuple(s),
-                rest_distance=float(extent[FURTHER, CLOSEST]),
-                side=mode,
-            )
-        s[moving][1:] += correction[:-1]
-        period += float(correction[-1])
-    return None
-
-
-def _slid(
-    loop: LinearLoop, s: np.ndarray, mode: float, time: float, extent: np.ndarray | None = None
-) -> np.ndarray:
-    """The state after a slide of ``time`` from ``s``; NaN if it ends before."""
-    y = s.copy()
-    extent = extent_at(s) if extent is None else extent
-    ended, _, _ = follow_piece(y, mode, time, extent, np.empty((0, loop.states + 1)), loop)
-    return y if ended == TIME_OUT else np.full(loop.states, np.nan)
 
 
 class Trajectory(NamedTuple):
