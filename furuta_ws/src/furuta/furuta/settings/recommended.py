@@ -6,11 +6,12 @@ Its bounds follow from the highest friction level and the sample time.
 
 What a late drive leaves is chatter, which is proportional to the strength. So this setting is
 simulated on the rig as the settings describe it, with friction that truly sticks, and in cases in
-which its level and the delay of the drive are wrong by half. If the arm swings by more than a count
-in any of them, another strength is chosen: one with which the rig as described swings hardly more
-than necessary, the pendulum falls in the fewest cases, and the swing in the others is least. With
-three times the friction it must not come near a fall. Other poles, process noise and bandwidth are
-taken if they reduce the swing much. What a user has set is left as it is.
+which its level and the delay of the drive are wrong by half, or there is no friction. If the arm
+swings by more than a count in any of them, another strength is chosen: one with which the rig as
+described swings hardly more than necessary, the pendulum falls in the fewest cases, and the swing
+in the others is least. Three times the friction is a case too if the swing is dangerous then. Other
+poles, process noise and bandwidth are taken if they reduce the swing much. What a user has set is
+left as it is.
 """
 
 from collections.abc import Iterable, Iterator
@@ -71,6 +72,8 @@ HORIZONTAL = pi / 2  # [rad]; beyond it the pendulum has fallen
 # Angle [rad] by which the rig as described may swing more than necessary, half a count of the
 # paper's encoder.
 NEAR = 0.0125
+# Runs that are remembered: all of a search, which compares some loops several times.
+MOST_RUNS = 512
 # Part of the least swing so far that another of the rest must not exceed. A belt that is not
 # described may need the rest as it is.
 MUCH_BETTER = 0.6
@@ -200,7 +203,6 @@ def _bandwidths(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
         yield loop._replace(controller=controller)
 
 
-@lru_cache
 def _score(loop: Loop) -> Score:
     """What the cases give; the hard one counts only if it is dangerous."""
     hard = _swing(loop, *HARD_CASE)
@@ -209,6 +211,7 @@ def _score(loop: Loop) -> Score:
     return Score(falls, max((swing for swing in swings if swing < inf), default=inf))
 
 
+@lru_cache(MOST_RUNS)
 def _swing(loop: Loop, level: float, delay: float) -> float:
     """The swing [rad] with another level of friction and another delay than described."""
     plant = loop.plant
