@@ -54,5 +54,10 @@ def claim(domain: int, namespace: str) -> socket.socket:
 
 def view_command(namespace: str) -> str:
     """The command that shows a graph that runs."""
+    return f"furuta view --attach{namespace_option(namespace)}"
+
+
+def namespace_option(namespace: str) -> str:
+    """What a command for the graph of a namespace ends with."""
     name = namespace.strip("/")
-    return "furuta view --attach" + f" --namespace {name}" * bool(name)
+    return f" --namespace {name}" if name else ""

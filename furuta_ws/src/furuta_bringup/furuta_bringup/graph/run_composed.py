@@ -13,6 +13,7 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
+from furuta_ros.one_graph import namespace_option
 from furuta_ros.process_end import StopSignal, bounded_end
 from furuta_ros.spinning import spin_until
 
@@ -53,8 +54,8 @@ def run_hardware(
             raise SystemExit(1)  # the bridge has logged the reason
         tell_running(graph)
         is_over = _time_limit(bridge, seconds)
-        option = f" --namespace {graph.namespace.strip('/')}" if graph.namespace else ""
-        print(f"{bridge.state}, not armed; to drive the rig: furuta hw arm{option}", flush=True)
+        arm = f"furuta hw arm{namespace_option(graph.namespace)}"
+        print(f"{bridge.state}, not armed; to drive the rig: {arm}", flush=True)
         spin_until(running.executor, lambda: stop() or is_over())
         print(bridge.summary())
 
