@@ -39,6 +39,16 @@ def test_the_recommended_setting_follows_from_each_point(furuta: Any, tmp_path: 
     assert float(row["phi_peak_to_peak_rad"]) == json.loads(alone)["phi_peak_to_peak_rad"]
 
 
+def test_the_last_choice_of_a_compensation_counts(furuta: Any, tmp_path: Path) -> None:
+    tables = []
+    for number, choices in enumerate((["recommended", "coulomb"], ["coulomb"])):
+        out, given = tmp_path / f"{number}.csv", [f"compensation={name}" for name in choices]
+        assignments = [word for text in given for word in ("--set", text)]
+        assert furuta("sweep", "seed=1,2", "--seconds", "5", "--out", out, *assignments)[0] == 0
+        tables.append(out.read_bytes())
+    assert tables[0] == tables[1]
+
+
 @pytest.mark.parametrize("swept", ["drive.lag=0:0.01:2", "drive.delay=0:4:2", "tilt.x=0:0.1:2"])
 def test_ranges_of_what_the_ideal_loop_lacks(furuta: Any, tmp_path: Path, swept: str) -> None:
     out = tmp_path / "a.csv"
