@@ -84,7 +84,7 @@ def data() -> dict[str, Any]:
         "design": encoded(design.astype("<f8").tobytes()),
         "pushes": page.places[PUSHES],
         "strength": [place for name, place in page.places.items() if name.endswith("_strength")],
-        "fall_angle": BASE.controller.fall_angle,
+        "fall_angle": BASE.controller.balance.fall_angle,
         "encoder_counts": BASE.plant.sensors.encoder_counts,
         "groups": [table(group, page) for group in made],
         "knobs": [shown(knob) for knob in sorted(ALL_KNOBS.values(), key=rank)],

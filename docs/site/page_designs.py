@@ -191,8 +191,9 @@ def loop_of(settings: Settings) -> Loop:
     """The loop with these settings, prepared for pushes; a strength multiplies what they say."""
     given = {name: value for name, value in settings.items() if name != STRENGTH}
     loop = furuta.make_loop({**PUSH, **given})
-    strength = settings.get(STRENGTH, 1.0) * loop.controller.strength
-    return loop._replace(controller=loop.controller._replace(strength=strength))
+    balance = loop.controller.balance
+    balance = balance._replace(strength=settings.get(STRENGTH, 1.0) * balance.strength)
+    return loop._replace(controller=loop.controller._replace(balance=balance))
 
 
 def design_of(loop: Loop) -> Design:

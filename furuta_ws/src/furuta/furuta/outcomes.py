@@ -129,7 +129,9 @@ def _only_sensors(loop: Loop, part: float) -> Loop:
         ),
         observer=loop.observer._replace(compensation="none"),
         controller=loop.controller._replace(
-            mode="balance", super_twisting=0.0, excitation=ExcitationParameters()
+            mode="balance",
+            balance=loop.controller.balance._replace(super_twisting=0.0),
+            excitation=ExcitationParameters(),
         ),
     )
 

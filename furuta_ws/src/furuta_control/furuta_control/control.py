@@ -1,14 +1,13 @@
-"""Computes the command in the selected mode: the registry of modes and one sample of any of them.
+"""Computes the command in the selected mode: the modes, and one sample of the chosen one.
 
 An excitation signal can be added in every active mode; the sum is limited to the voltage range. To
-add a mode, write its file in ``modes/`` and add it to :data:`FILES`; its parameters, memory and
-design stand in its file.
+add a mode, write its file in ``modes/`` and name it here: in :data:`MODES`, in :func:`control`, and
+where it has parameters, memory or design.
 """
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numba import float64
@@ -21,43 +20,33 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance, open_loop, own, swing_up
-from furuta_control.modes.balance import POLE_PLACEMENT, Balance, BalanceMemory
-from furuta_control.modes.mode import Mode
+from furuta_control.modes import balance, own, swing_up
+from furuta_control.modes.balance import Balance, BalanceMemory, BalanceParameters
+from furuta_control.modes.mode import ControlledRig, Gain, Mode
 from furuta_control.modes.own import OwnControl
-from furuta_model.compiled import by_kind, inlined
+from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
+from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
-from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
+from furuta_model.own_functions import OwnMemory, forget_own, own_function, sample_function
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.registry import design_parts, designed_once, groups_of, in_turn, parts_in
+from furuta_model.registry import designed_once
 
-FILES = (
-    "balance",
-    "open_loop",
-    "swing_up",
-    "off",
+BALANCE, OPEN_LOOP, SWING_UP, OFF, OWN = range(5)
+MODES = (
+    Mode("balance", "state feedback about upright with friction compensation", feedback=True),
+    Mode("open_loop", "the excitation signal alone, at any pendulum angle, for identification"),
+    Mode("swing_up", "swing the pendulum up from any angle, catch it and balance", feedback=True),
+    Mode("off", "0 V"),
 )
-
-MODES: tuple[Mode, ...] = parts_in("furuta_control.modes", FILES)
 _NAMES = tuple(mode.name for mode in MODES)
 _MEANINGS = "; ".join(f"{mode.name}: {mode.meaning}" for mode in MODES)
-# Kind of a mode of the user's own, and its name for those who watch.
-_OWN, _OWN_NAME = len(MODES), "own"
-_reset_parts = in_turn(mode.reset for mode in MODES if mode.reset is not None)
-_mode_command = by_kind([*(mode.command for mode in MODES), own.command])
-
 # What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
 # mode.
-ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, _OWN_NAME)))
-_BALANCE, _SWING_UP = MODES.index(balance.PART), MODES.index(swing_up.PART)
-
-if TYPE_CHECKING:
-    ModeParameters: TypeAlias = Any
-    ModeMemories: TypeAlias = Any
-    ModeDesigns: TypeAlias = Any
-else:
-    ModeParameters, ModeMemories, ModeDesigns = groups_of(MODES, __name__, "Mode")
+ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, "own")))
+# The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
+# type of an empty list, and not four zeros, because these are a gain.
+POLE_PLACEMENT = (0.0,)
 
 
 class ControllerParameters(NamedTuple):
@@ -82,62 +71,13 @@ class ControllerParameters(NamedTuple):
         ),
     ] = 0.0
     voltage_limit: Annotated[float, About("largest command", "V", 0.0, 1e3)] = 10.0
-    fall_angle: Annotated[
-        float, About("pendulum angle beyond which the command is 0 V", "rad", 0.01, 3.0)
-    ] = 0.7
-    catch_angle: Annotated[
-        float, About("pendulum angle within which balancing starts", "rad", 0.0, 3.0)
-    ] = 0.2
-    catch_speed: Annotated[
-        float, About("after a fall: highest pendulum speed to start balancing", "rad/s", 0.0, 1e3)
-    ] = 2.0
-    catch_time: Annotated[
-        float,
-        About("after a fall: time to stay within catch_angle and catch_speed", "s", 0.0, 10.0),
-    ] = 0.05
-    arm_reference: Annotated[
-        float, About("arm angle at which the arm is held", "rad", -1e6, 1e6)
-    ] = 0.0
-    arm_error_limit: Annotated[
-        float, About("largest arm error that is fed back, so that u stays small", "rad", 1e-3, 1e6)
-    ] = 1.0
-    integral_time: Annotated[
-        float, About("integral time of the arm's error, 0 for no integral action", "s", 0.0, 1e4)
-    ] = 0.0
-    strength: Annotated[
-        float,
-        About(
-            "scale of the whole compensation, friction estimate and super-twisting: 0 for none, 1 "
-            "as designed; lower it if the compensation shakes the arm, as with a late drive",
-            "",
-            0.0,
-            4.0,
-        ),
-    ] = 1.0
-    super_twisting: Annotated[
-        float,
-        About("super-twisting: gain, the largest rate of friction, 0 for off", "V/s", 0.0, 1e4),
-    ] = 0.0
-    super_twisting_bandwidth: Annotated[
-        float,
-        About("super-twisting: bandwidth that limits the gain, 0 for none", "1/s", 0.0, 1e4),
-    ] = 0.0
-    vibration_limit: Annotated[
-        float,
-        About("super-twisting: vibration amplitude above which it is reduced", "V", 1e-3, 1e6),
-    ] = 0.8
-    arm_angle_limit: Annotated[
-        float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
-    ] = 2 * pi
-    arm_speed_limit: Annotated[
-        float, About("arm speed beyond which balancing stops", "rad/s", 0.1, 1e6)
-    ] = 9.9
+    balance: Annotated[BalanceParameters, INLINE] = BalanceParameters()
     friction_timeout: Annotated[
         float,
         About("age beyond which a friction estimate is replaced by 0 V", "s", 0, 10),
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
-    parts: Annotated[ModeParameters, INLINE] = ModeParameters()
+    swing_up: SwingUpParameters = SwingUpParameters()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -149,17 +89,12 @@ class ControllerParameters(NamedTuple):
                 "gain must be four numbers (phi, phi_dot, theta, theta_dot), or [0.0] for pole "
                 f"placement, given {shortened(list(self.gain))}"
             )
-        if not np.all(np.isfinite(balance.design(self)[:4])):
+        if not np.all(np.isfinite(self.feedback_gain)):
             raise ParameterError(
                 "no gain can be computed for these poles and this model; given "
                 f"{shortened(self.poles)}, {shortened(self.model)}"
             )
-        if self.catch_angle > self.fall_angle:
-            raise ParameterError(
-                f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
-                f"{self.fall_angle:g}"
-            )
-        if not np.all(np.isfinite(design_controller(self).parts.swing_up.catching)):
+        if not design_controller(self).swing_up.catching.is_finite:
             raise ParameterError(
                 f"mode {self.mode} needs a feedback that catches the pendulum, and none can be "
                 f"computed for voltage_limit {self.voltage_limit:g} V and "
@@ -167,13 +102,12 @@ class ControllerParameters(NamedTuple):
             )
 
     @property
-    def feedback_gain(self) -> tuple[float, float, float, float]:
+    def feedback_gain(self) -> Gain:
         """L of u = −Lx: the explicit one, or by pole placement on the nominal model, eq. (7)."""
         gain: Iterable[float] = self.gain
         if self.gain == POLE_PLACEMENT:
             gain = place_poles(self.model, self.poles, self.model_viscous)
-        l1, l2, l3, l4 = map(float, gain)
-        return l1, l2, l3, l4
+        return Gain(*map(float, gain))
 
 
 class ControllerDesign(NamedTuple):
@@ -189,10 +123,10 @@ class ControllerDesign(NamedTuple):
     feedback: Annotated[bool, SELECTS]
     active: int
     balance: Balance
+    swing_up: SwingUp
     excitation: Excitation
     voltage_limit: float
     sample_time: float
-    parts: ModeDesigns
 
 
 @dataclass
@@ -201,30 +135,37 @@ class ControllerMemory:
 
     phase: float = 0.0
     balance: BalanceMemory = field(default_factory=BalanceMemory)
-    parts: ModeMemories = field(default_factory=ModeMemories)
+    swing_up: SwingUpMemory = field(default_factory=SwingUpMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
 @designed_once
 def design_controller(p: ControllerParameters) -> ControllerDesign:
-    """The controller that the parameters describe."""
-    mode, function = _OWN, 0
+    """The controller that the parameters describe; for another mode only what takes no time."""
+    mode, function = OWN, 0
     if p.mode in _NAMES:
         mode = _NAMES.index(p.mode)
     else:
-        function = sample_function(own_part(p.mode, Mode, "own").command, OwnControl, float64)
-    any_tilt = p.mode == open_loop.PART.name
+        function = sample_function(own_function(p.mode), OwnControl, float64)
+    rig = ControlledRig(p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.sample_time)
+    balancing = balance.design(rig, p.balance)
     return ControllerDesign(
         enabled=p.enabled,
         mode=mode,
         function=function,
-        feedback=mode != _OWN and MODES[mode].feedback,
-        active=ACTIVE_MODES.index(p.mode if mode != _OWN else _OWN_NAME),
-        balance=balance.design(p),
-        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=any_tilt),
+        feedback=mode != OWN and MODES[mode].feedback,
+        active=ACTIVE_MODES.index(p.mode if mode != OWN else "own"),
+        balance=balancing,
+        swing_up=swing_up.design(
+            rig,
+            p.swing_up,
+            balancing,
+            is_chosen=mode == SWING_UP,
+            keeps_gain=p.gain != POLE_PLACEMENT,
+        ),
+        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
         voltage_limit=p.voltage_limit,
         sample_time=p.sample_time,
-        parts=ModeDesigns(*design_parts(MODES, p)),
     )
 
 
@@ -233,9 +174,8 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
     """Command u [V] for the state estimate ``x`` (4 or more) and friction estimate [V]."""
     if not p.feedback:
         balance.leave(memory.balance)
-        _reset_parts(memory)
-    friction = balance.scaled(memory.balance, friction, p.balance)
-    u = _mode_command(p.mode, memory, x, friction, p)
+        swing_up.reset(memory.swing_up)
+    u = _driven(memory, x, balance.scaled(memory.balance, friction, p.balance), p)
     if np.isnan(u) or not p.enabled:
         if not p.enabled:
             forget_integrals(memory)
@@ -244,6 +184,22 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
         u += p.excitation.amplitude * shape(p.excitation.kind, memory.phase)
         memory.phase = (memory.phase + p.excitation.step) % TWO_PI
     return limited(u, p)
+
+
+@inlined
+def _driven(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
+    """Command u [V] of the mode, unsaturated; NaN if it does not drive."""
+    if p.mode == BALANCE:
+        return balance.balanced(memory.balance, x, friction, p.balance)
+    if p.mode == OPEN_LOOP:
+        return 0.0
+    if p.mode == SWING_UP:
+        return swing_up.command(memory.swing_up, memory.balance, x, friction, p.swing_up)
+    if p.mode == OFF:
+        return np.nan
+    g, reference = p.balance.gain, p.balance.limits.arm_reference
+    given = OwnControl(g.l1, g.l2, g.l3, g.l4, reference, p.voltage_limit, p.sample_time)
+    return own.command(memory.own, x, friction, p.function, given)
 
 
 @inlined
@@ -257,9 +213,9 @@ def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
     """What the controller does: the index of its name in :data:`ACTIVE_MODES`."""
     if not p.enabled:
         return swing_up.OFF
-    if p.mode == _SWING_UP:
-        return memory.parts.swing_up.phase
-    if p.mode == _BALANCE:
+    if p.mode == SWING_UP:
+        return memory.swing_up.phase
+    if p.mode == BALANCE:
         return swing_up.BALANCING if memory.balance.balancing else swing_up.OFF
     return p.active
 
@@ -269,7 +225,7 @@ def reset(memory: ControllerMemory) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
     forget_own(memory.own)
     balance.reset(memory.balance)
-    _reset_parts(memory)
+    swing_up.reset(memory.swing_up)
 
 
 @inlined

@@ -1,27 +1,31 @@
-"""Estimates the state from the measurement: the registry of methods and one sample of any of them.
+"""Estimates the state from the measurement: the methods, and one sample of the chosen one.
 
 Measurement and estimate are (5,): x, then the applied torque or the observed friction [V]
-(:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and add it to
-:data:`FILES`; its parameters, memory and design stand in its file.
+(:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and name it here: in
+:data:`METHODS`, in :func:`update`, and where it has parameters, memory or design.
 """
 
 from dataclasses import dataclass, field
 from math import floor, nan, pi
-from typing import TYPE_CHECKING, Annotated, Any, Final, NamedTuple, TypeAlias
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
 from furuta_control import readings
-from furuta_control.estimators import own, whole_circle
-from furuta_control.estimators.method import Method, NominalRig, no_prediction, nothing
+from furuta_control.estimators import kalman, lowpass, own, whole_circle
+from furuta_control.estimators.kalman import Kalman
+from furuta_control.estimators.lowpass import Lowpass, LowpassParameters
+from furuta_control.estimators.method import Method, NominalRig
 from furuta_control.estimators.own import OwnEstimation
+from furuta_control.estimators.whole_circle import WholeCircle
 from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
-from furuta_model.compiled import by_kind, compiled, inlined
-from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_part, sample_function
+from furuta_model.compiled import compiled, inlined
+from furuta_model.linear import KalmanParameters
+from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_function, sample_function
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.registry import design_parts, designed_once, groups_of, parts_in
+from furuta_model.registry import designed_once
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -35,28 +39,25 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-FILES = (
-    "kalman",
-    "lowpass",
-    "whole_circle",
+KALMAN, LOWPASS, WHOLE_CIRCLE, OWN = range(4)
+METHODS = (
+    Method(
+        "kalman",
+        "Kalman filter on all sensors and the applied torque, which also observes the friction",
+        observes_friction=True,
+        needs_applied_torque=True,
+    ),
+    Method("lowpass", "the paper's filter on the potentiometer, with the arm as measured"),
+    Method(
+        "whole_circle",
+        "Kalman filter with the nonlinear model, for any pendulum angle",
+        observes_friction=True,
+        needs_applied_torque=True,
+        covers_circle=True,
+    ),
 )
-
-METHODS: tuple[Method, ...] = parts_in("furuta_control.estimators", FILES)
 METHOD_NAMES = tuple(method.name for method in METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
-# Kind of a method of the user's own, which is filtered even with ideal sensors.
-_OWN = len(METHODS)
-update = by_kind([*(method.update for method in METHODS), own.update])
-_begin = by_kind([*(method.begin for method in METHODS), nothing])
-_improve_prediction = by_kind([*(method.predict for method in METHODS), no_prediction])
-
-if TYPE_CHECKING:
-    MethodParameters: TypeAlias = Any
-    MethodMemories: TypeAlias = Any
-    MethodDesigns: TypeAlias = Any
-else:
-    MethodParameters, MethodMemories, MethodDesigns = groups_of(METHODS, __name__, "Method")
-
 # Values of ``running`` in the estimator's memory that are no method.
 NOT_RUNNING, UNFILTERED = 0, -1
 # Result of :func:`unusable_readings` without an estimate.
@@ -78,7 +79,8 @@ class EstimatorParameters(NamedTuple):
         ),
     ] = 0.0
     sensors: Sensors = Sensors()
-    parts: Annotated[MethodParameters, INLINE] = MethodParameters()
+    kalman: Annotated[KalmanParameters, INLINE] = KalmanParameters()
+    lowpass: Annotated[LowpassParameters, INLINE] = LowpassParameters()
     sample_time: Annotated[
         float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -87,7 +89,7 @@ class EstimatorParameters(NamedTuple):
         """Reject a rig for which no filter can be computed, or an unstable one."""
         try:
             with np.errstate(all="ignore"):
-                step = design_estimator(self).parts.kalman.step
+                step = design_estimator(self).kalman.step
         except ParameterError:
             raise
         except (np.linalg.LinAlgError, ValueError):
@@ -95,7 +97,7 @@ class EstimatorParameters(NamedTuple):
         if not np.all(np.isfinite(step)):
             raise ParameterError(
                 "no Kalman filter can be computed for this rig: model, sensors or process noise "
-                f"are too extreme; given {shortened(self.model)}, {shortened(self.parts.kalman)}"
+                f"are too extreme; given {shortened(self.model)}, {shortened(self.kalman)}"
             )
         largest = whole_circle.largest_viscous(self.rig)
         if self.chosen.covers_circle and self.model_viscous > largest:
@@ -114,7 +116,7 @@ class EstimatorParameters(NamedTuple):
         """The method that the parameters select."""
         if self.method in METHOD_NAMES:
             return METHODS[METHOD_NAMES.index(self.method)]
-        return own_part(self.method, Method, "own")
+        return Method(self.method, "own")
 
 
 class EstimatorDesign(NamedTuple):
@@ -131,7 +133,9 @@ class EstimatorDesign(NamedTuple):
     ideal: bool
     readings: ReadingLimits
     sample_time: float
-    parts: MethodDesigns
+    kalman: Kalman
+    lowpass: Lowpass
+    whole_circle: WholeCircle
     own: OwnEstimation
 
 
@@ -144,30 +148,35 @@ class EstimatorMemory:
         running: The running method, an index of :data:`METHODS` plus 1; :data:`NOT_RUNNING`
             without an estimate, :data:`UNFILTERED` while ideal measurements are the estimate.
         readings: Memory of the check of readings.
-        parts: Memories of the methods.
         own: Memory of an own method.
     """
 
     estimate: np.ndarray = zeros(SIGNALS)
     running: int = NOT_RUNNING
     readings: ReadingMemory = field(default_factory=ReadingMemory)
-    parts: MethodMemories = field(default_factory=MethodMemories)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
 @designed_once
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe."""
-    chosen, is_own = p.chosen, p.method not in METHOD_NAMES
+    chosen, rig = p.chosen, p.rig
+    method, function = OWN, 0
+    if p.method in METHOD_NAMES:
+        method = METHOD_NAMES.index(p.method)
+    else:
+        function = sample_function(own_function(p.method), OwnEstimation, ADDRESS)
     return EstimatorDesign(
-        method=_OWN if is_own else METHOD_NAMES.index(p.method),
-        function=sample_function(chosen.update, OwnEstimation, ADDRESS) if is_own else 0,
-        filtered=not p.sensors.ideal or chosen.observes_friction or is_own,
-        covers_circle=chosen.covers_circle and not is_own,
+        method=method,
+        function=function,
+        filtered=not p.sensors.ideal or chosen.observes_friction or method == OWN,
+        covers_circle=chosen.covers_circle,
         ideal=p.sensors.ideal,
-        readings=reading_limits(p.rig, chosen.needs_applied_torque),
+        readings=reading_limits(rig, chosen.needs_applied_torque),
         sample_time=p.sample_time,
-        parts=MethodDesigns(*design_parts(METHODS, p)),
+        kalman=kalman.design(rig, p.kalman),
+        lowpass=lowpass.design(p.lowpass, p.sample_time),
+        whole_circle=whole_circle.design(rig, p.kalman, is_chosen=method == WHOLE_CIRCLE),
         own=OwnEstimation(p.model, p.model_viscous, p.sample_time),
     )
 
@@ -225,14 +234,35 @@ def _filter(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign
         for i in range(THETA_DOT):
             x[i] = measurement[i]
         x[THETA_DOT] = x[OBSERVED_FRICTION] = 0.0
-        _begin(p.method, memory, measurement, p)
+        _begin(memory, measurement, p)
     else:
         if memory.running != p.method + 1:
             if np.isnan(x[OBSERVED_FRICTION]):
                 x[OBSERVED_FRICTION] = 0.0
-            _begin(p.method, memory, measurement, p)
-        update(p.method, memory, measurement, p)
+            _begin(memory, measurement, p)
+        update(memory, measurement, p)
     memory.running = p.method + 1
+
+
+@inlined
+def _begin(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Let the method start from the estimate."""
+    if p.method == LOWPASS:
+        lowpass.begin(memory.estimate, memory.readings.last, measurement, p.lowpass)
+
+
+@inlined
+def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
+    """Move the estimate by one sample with a ``measurement``."""
+    x = memory.estimate
+    if p.method == KALMAN:
+        kalman.update(x, measurement, p.kalman)
+    elif p.method == LOWPASS:
+        lowpass.update(x, memory.readings.last, measurement, p.lowpass)
+    elif p.method == WHOLE_CIRCLE:
+        whole_circle.update(x, measurement, p.whole_circle)
+    else:
+        own.update(memory.own, x, measurement, p.function, p.own)
 
 
 @inlined
@@ -330,4 +360,5 @@ def _predict(
     torque = measurement[APPLIED_TORQUE]
     if np.isnan(torque):
         torque = predicted[APPLIED_TORQUE]
-    _improve_prediction(p.method, memory, torque, p, predicted)
+    if p.method == KALMAN:
+        kalman.predict(x, torque, p.kalman, predicted)

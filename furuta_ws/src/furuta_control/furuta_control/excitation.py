@@ -9,7 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import by_kind, compiled, inlined
+from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import SELECTS, About
 from furuta_model.state import PHI, PHI_DOT, THETA
 
@@ -20,37 +20,25 @@ HARMONICS = 8
 MULTISINE_PEAK = 3.781
 
 
-@inlined
-def nothing(phase: float) -> float:
-    """No signal."""
-    return 0.0
-
-
-@inlined
-def steps(phase: float) -> float:
-    """Steps up and down."""
-    return 1.0 if phase < np.pi else -1.0
+KINDS = ("none", "steps", "sine", "multisine")
+NONE, STEPS, SINE, MULTISINE = range(4)
 
 
 @compiled
-def sine(phase: float) -> float:
-    """A sine."""
-    return np.sin(phase)
+def shape(kind: int, phase: float) -> float:
+    """The signal, -1 to 1, at a phase [rad].
 
-
-@compiled
-def multisine(phase: float) -> float:
-    """The sum of the harmonics with Schroeder phases (1970), which give a low peak."""
+    The harmonics of the multisine have Schroeder phases (1970), which give a low peak.
+    """
+    if kind == STEPS:
+        return 1.0 if phase < np.pi else -1.0
+    if kind == SINE:
+        return np.sin(phase)
     total = 0.0
-    for k in range(1, HARMONICS + 1):
-        total += np.sin(k * phase - np.pi * k * (k - 1) / HARMONICS)
+    if kind == MULTISINE:
+        for k in range(1, HARMONICS + 1):
+            total += np.sin(k * phase - np.pi * k * (k - 1) / HARMONICS)
     return total / MULTISINE_PEAK
-
-
-# The signals by name, each -1 to 1 as a function of its phase [rad].
-SIGNALS = {"none": nothing, "steps": steps, "sine": sine, "multisine": multisine}
-KINDS = tuple(SIGNALS)
-shape = by_kind(list(SIGNALS.values()))
 
 
 class ExcitationParameters(NamedTuple):

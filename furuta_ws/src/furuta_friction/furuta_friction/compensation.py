@@ -1,53 +1,63 @@
-"""Friction compensation: the registry of compensators and one sample of any of them.
+"""Friction compensation: the compensators, and one sample of the chosen one.
 
 A compensator computes the friction estimate F̂ [V] from the state estimate. To add one, write its
-file in ``compensators/`` and add it to :data:`FILES`; its parameters, memory and design stand in
-its file. A function of the user's own needs no file here (:mod:`furuta_model.own_functions`).
+file in ``compensators/`` and name it here: in :data:`ALL`, in :func:`estimate_friction`, and where
+it has parameters, memory or design. A function of the user's own needs no file
+(:mod:`furuta_model.own_functions`).
 """
 
 from dataclasses import dataclass, field
-from math import inf, isnan
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
+from math import isnan
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction.compensator import Compensator
-from furuta_friction.compensators import adaptive, bristle_observer, own
+from furuta_friction.compensator import Compensator, Joint
+from furuta_friction.compensators import (
+    adaptive,
+    bristle_observer,
+    combined,
+    coulomb,
+    disturbance_observer,
+    own,
+    stiction,
+)
+from furuta_friction.compensators.adaptive import Adaptive, AdaptiveMemory, AdaptiveParameters
+from furuta_friction.compensators.bristle_observer import BristleMemory
+from furuta_friction.compensators.combined import Combined, CombinedMemory, CombinedParameters
 from furuta_friction.compensators.own import OwnCompensation
-from furuta_model.compiled import by_kind, compiled, inlined
-from furuta_model.friction.lugre import highest_level
+from furuta_model.compiled import inlined
 from furuta_model.friction.parameters import Friction
-from furuta_model.own_functions import OwnMemory, forget_own, own_part, sample_function
+from furuta_model.own_functions import OwnMemory, forget_own, own_function, sample_function
 from furuta_model.parameters import INLINE, SELECTS, About
-from furuta_model.registry import design_parts, designed_once, groups_of, in_turn, parts_in
+from furuta_model.registry import designed_once
 from furuta_model.state import PHI, PHI_DOT
 
-FILES = (
-    "none",
-    "coulomb",
-    "stiction",
-    "bristle_observer",
-    "adaptive",
-    "disturbance_observer",
-    "combined",
+NONE, COULOMB, STICTION, LUGRE, ADAPTIVE, DISTURBANCE_OBSERVER, COMBINED, OWN = range(8)
+ALL = (
+    Compensator("none", "0 V"),
+    Compensator("coulomb", "Coulomb level with the sign of the speed, eq. (4)"),
+    Compensator(
+        "stiction",
+        "Coulomb level while sliding, observed friction at rest",
+        needs_observed_friction=True,
+    ),
+    Compensator("lugre", "LuGre observer, eq. (9)", moves_bristle=True),
+    Compensator(
+        "adaptive",
+        "LuGre observer with levels that follow the observed friction",
+        needs_observed_friction=True,
+        moves_bristle=True,
+    ),
+    Compensator("disturbance_observer", "observed friction", needs_observed_friction=True),
+    Compensator(
+        "combined",
+        "learned level for each direction plus the filtered rest of the observed friction",
+        needs_observed_friction=True,
+    ),
 )
-
-ALL: tuple[Compensator, ...] = parts_in("furuta_friction.compensators", FILES)
 COMPENSATIONS = tuple(compensator.name for compensator in ALL)
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
-# Kind of a compensator of the user's own.
-_OWN = len(ALL)
-compensate = by_kind([*(compensator.estimate for compensator in ALL), own.estimate])
-_reset_parts = in_turn(compensator.reset for compensator in ALL if compensator.reset is not None)
-
-if TYPE_CHECKING:
-    CompensatorParameters: TypeAlias = Any
-    CompensatorMemories: TypeAlias = Any
-    CompensatorDesigns: TypeAlias = Any
-else:
-    CompensatorParameters, CompensatorMemories, CompensatorDesigns = groups_of(
-        ALL, __name__, "Compensator"
-    )
 
 
 class ObserverParameters(NamedTuple):
@@ -58,7 +68,8 @@ class ObserverParameters(NamedTuple):
     observer_gain: Annotated[
         float, About("gain K by which the arm angle corrects the LuGre observer", "1/s", -1e3, 1e3)
     ] = 0.01
-    parts: Annotated[CompensatorParameters, INLINE] = CompensatorParameters()
+    adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
+    combined: CombinedParameters = CombinedParameters()
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -72,78 +83,94 @@ class ObserverParameters(NamedTuple):
         """The compensator that the parameters select."""
         if self.compensation in COMPENSATIONS:
             return ALL[COMPENSATIONS.index(self.compensation)]
-        return own_part(self.compensation, Compensator, "own")
+        return Compensator(self.compensation, "own")
 
 
 class CompensationDesign(NamedTuple):
-    """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL.
+    """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL or OWN.
 
-    ``function`` is the address of an own compensator.
+    ``function`` is the address of an own compensator. With ``idle_observer`` the observer (9) moves
+    beside the chosen compensator, so it has converged when the user switches to it.
     """
 
     kind: Annotated[int, SELECTS]
     function: int
-    runs_observer: Annotated[bool, SELECTS]
-    largest_factor: float
-    friction: Friction
-    observer_gain: float
-    parts: CompensatorDesigns
-    sample_time: float
+    idle_observer: Annotated[bool, SELECTS]
+    joint: Joint
+    adaptive: Adaptive
+    combined: Combined
 
 
 @dataclass
 class CompensationMemory:
-    """What the compensators remember; ``bristle`` is ẑ of the observer [rad]."""
+    """What the compensators remember."""
 
-    bristle: float = 0.0
-    parts: CompensatorMemories = field(default_factory=CompensatorMemories)
+    bristle: BristleMemory = field(default_factory=BristleMemory)
+    adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
+    combined: CombinedMemory = field(default_factory=CombinedMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
 @designed_once
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
     """The compensation that the parameters describe."""
-    chosen, is_own = p.chosen, p.compensation not in COMPENSATIONS
+    kind, function = OWN, 0
+    if p.compensation in COMPENSATIONS:
+        kind = COMPENSATIONS.index(p.compensation)
+    else:
+        function = sample_function(own_function(p.compensation), OwnCompensation)
+    joint = Joint(p.friction, p.observer_gain, p.sample_time)
     return CompensationDesign(
-        kind=_OWN if is_own else COMPENSATIONS.index(p.compensation),
-        function=sample_function(chosen.estimate, OwnCompensation) if is_own else 0,
-        runs_observer=chosen.runs_observer and not is_own,
-        largest_factor=inf if is_own else chosen.largest_factor,
-        friction=p.friction,
-        observer_gain=p.observer_gain,
-        parts=CompensatorDesigns(*design_parts(ALL, p)),
-        sample_time=p.sample_time,
+        kind=kind,
+        function=function,
+        idle_observer=not p.chosen.moves_bristle,
+        joint=joint,
+        adaptive=adaptive.design(joint, p.adaptive),
+        combined=combined.design(joint, p.combined),
     )
+
+
+def that_stays(p: CompensationDesign) -> CompensationDesign:
+    """The same for a compensation that nobody changes: the observer need not move beside it."""
+    return p._replace(idle_observer=False)
 
 
 @inlined
 def reset(memory: CompensationMemory) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
-    memory.bristle = 0.0
-    _reset_parts(memory)
+    memory.bristle.z = memory.combined.rest = 0.0
     forget_own(memory.own)
 
 
 def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
     """Whether the adaptive compensation is used outside its model; ``memory`` is a block."""
-    return p.chosen is adaptive.PART and adaptive.at_limit(memory["parts"]["adaptive"][0])
+    return p.compensation == "adaptive" and adaptive.at_limit(memory["adaptive"][0])
 
 
 @inlined
-def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+def estimate_friction(  # noqa: PLR0911 (one for each compensator)
+    memory: CompensationMemory, x: np.ndarray, p: CompensationDesign
+) -> float:
     """F̂ [V] for the state estimate ``x`` (5,); ``memory`` is updated.
 
-    The observer runs with every compensation, so it has converged when the user switches to it.
     While the arm's state is unknown (NaN), F̂ is 0 V and the memory is kept.
     """
     if isnan(x[PHI_DOT] + x[PHI]):
         return 0.0
-    if not p.runs_observer:
-        bristle_observer.estimate(memory, x, p)
-    return compensate(p.kind, memory, x, p)
-
-
-@compiled
-def largest_estimate(v: float, p: CompensationDesign) -> float:
-    """Upper limit of |F̂| [V] at speed v [rad/s], for any history."""
-    return p.largest_factor * highest_level(p.friction) + p.friction.viscous * abs(v)
+    if p.idle_observer:
+        bristle_observer.estimate(memory.bristle, x, p.joint)
+    if p.kind == NONE:
+        return 0.0
+    if p.kind == COULOMB:
+        return coulomb.estimate(x, p.joint)
+    if p.kind == STICTION:
+        return stiction.estimate(x, p.joint)
+    if p.kind == LUGRE:
+        return bristle_observer.estimate(memory.bristle, x, p.joint)
+    if p.kind == ADAPTIVE:
+        return adaptive.estimate(memory.bristle, memory.adaptive, x, p.adaptive)
+    if p.kind == DISTURBANCE_OBSERVER:
+        return disturbance_observer.estimate(x, p.joint)
+    if p.kind == COMBINED:
+        return combined.estimate(memory.combined, x, p.combined)
+    return own.estimate(memory.own, x, p.function, p.adaptive)

@@ -19,7 +19,7 @@ from inspect import isfunction
 from pathlib import Path
 from time import monotonic
 from traceback import extract_tb
-from typing import Any, TypeVar, get_type_hints
+from typing import Any, get_type_hints
 
 import numba
 import numpy as np
@@ -31,8 +31,6 @@ from furuta_model.block import block, zeros
 from furuta_model.compiled import UNWRAPPED, inlined, make_intrinsic
 from furuta_model.parameters import ParameterError
 from furuta_model.state import SIGNALS
-
-Entry = TypeVar("Entry")
 
 # Numbers that the memory of an own function holds.
 OWN_NUMBERS = 32
@@ -53,18 +51,16 @@ class OwnMemory:
     numbers: np.ndarray = zeros(OWN_NUMBERS)
 
 
-def own_part(name: str, kind: Callable[..., Entry], *meaning: str) -> Entry:
-    """The entry with the name of an accepted part; a function becomes one with that ``meaning``.
+def own_function(name: str) -> Callable[..., Any]:
+    """The accepted function with this name.
 
     Raises:
-        ParameterError: The part is not accepted, or is neither such an entry nor a function.
+        ParameterError: The name is not accepted, or is that of something else.
     """
-    part = accepted_part(name)
-    if isinstance(part, kind):  # type: ignore[arg-type]
-        return part._replace(name=name)  # type: ignore[attr-defined, no-any-return]
+    part: Callable[..., Any] = accepted_part(name)
     if not isfunction(getattr(part, "py_func", part)):
         raise ParameterError(f"{name} must be a Python function, given {type(part).__name__}")
-    return kind(name, *meaning, part)
+    return part
 
 
 @cache

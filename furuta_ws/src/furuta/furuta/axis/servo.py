@@ -14,7 +14,7 @@ import numpy as np
 
 from furuta.axis.axis import Axis, Cascade, Controller, poles
 from furuta.limit_cycles.joint import Units
-from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
+from furuta_friction.compensation import COMPENSATIONS, ObserverParameters, that_stays
 from furuta_friction.joint_observer import (
     JointDesign,
     JointMemory,
@@ -99,17 +99,21 @@ def observer_parameters(
     if axis.law in ("coulomb", "stiction") or not dry.alpha1:
         dry = dry._replace(stribeck_velocity=usual.friction.stribeck_velocity * units.speed)
     twists = compensation == SUPER_TWISTING
-    combined, adaptive = usual.parts.combined, usual.parts.adaptive
-    parts = usual.parts._replace(
+    combined, adaptive = usual.combined, usual.adaptive
+    observer = ObserverParameters(
+        compensation="none" if twists else compensation,
+        friction=dry,
+        observer_gain=0.0,
+        adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
         combined=combined._replace(
             filter_time=combined.filter_time * t,
             reversal_speed=combined.reversal_speed * units.speed,
             level_rate=combined.level_rate / t,
         ),
-        adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
+        sample_time=sample_time,
     )
     return ObserverNodeParameters(
-        ObserverParameters("none" if twists else compensation, dry, 0.0, parts, sample_time),
+        observer,
         "axis",
         JointModel(
             inertia=axis.inertia,
@@ -124,8 +128,10 @@ def observer_parameters(
 
 
 def design_servo(controller: Controller, observer: ObserverNodeParameters) -> ServoDesign:
-    """The controller, with the observer of these parameters."""
-    return ServoDesign(_feedback(controller), design_joint(observer), observer.observer.sample_time)
+    """The controller, with the observer of these parameters, whose compensation stays."""
+    joint = design_joint(observer)
+    joint = joint._replace(compensation=that_stays(joint.compensation))
+    return ServoDesign(_feedback(controller), joint, observer.observer.sample_time)
 
 
 def _feedback(controller: Controller) -> Feedback:

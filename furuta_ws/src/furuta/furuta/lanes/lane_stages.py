@@ -8,7 +8,6 @@ that sample. The others compute only what nearly every sample needs, with the sa
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from math import isnan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +24,7 @@ from furuta_control.estimation import (
     estimate_state,
 )
 from furuta_control.modes import balance
-from furuta_friction.compensation import CompensationDesign, CompensationMemory, compensate
+from furuta_friction.compensation import CompensationDesign, CompensationMemory, estimate_friction
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.converter import Actuator, drive
@@ -34,7 +33,7 @@ from furuta_model.friction.laws import FrictionLaw, friction_force
 from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, sufficient_substeps
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
-from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI, PHI_DOT, PLANT_STATES, SIGNALS, THETA
+from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
 from furuta_sim.plant import NOISE_CHANNELS
 
 
@@ -109,18 +108,10 @@ def continue_estimate(
     """:func:`furuta_control.estimation.estimate_state` for an estimate that continues."""
     readings.forget_unusable(memory.readings)
     if p.filtered:
-        estimation.update(p.method, memory, measurement, p)
+        estimation.update(memory, measurement, p)
     else:
         estimation.take_measurement(memory, measurement)
     estimation.finish(memory, measurement, p, estimate)
-
-
-@inlined
-def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
-    """F̂ [V] if the compensation never changes: no observer runs idle."""
-    if isnan(x[PHI_DOT] + x[PHI]):
-        return 0.0
-    return compensate(p.kind, memory, x, p)
 
 
 @inlined

@@ -39,7 +39,13 @@ from furuta.lanes.lane_stages import (
 from furuta.outcomes import Outcome, summary
 from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
-from furuta_friction.compensation import COMPENSATIONS, design_compensator
+from furuta_friction.compensation import (
+    COMPENSATIONS,
+    CompensationDesign,
+    ObserverParameters,
+    design_compensator,
+    that_stays,
+)
 from furuta_model.compiled import compiled, make_intrinsic
 from furuta_model.converter import Actuator
 from furuta_model.friction.laws import PAPER, FrictionLaw
@@ -125,7 +131,7 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
         ),
         _part(Sensors._make, loop.plant.sensors),
         _part(design_estimator, estimation),
-        _part(design_compensator, loop.observer),
+        _part(_design_compensator, loop.observer),
         _part(design_controller, control),
     )
     x = np.zeros(PLANT_STATES)
@@ -140,6 +146,10 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
         seed=loop.plant.seed,
         sample_time=loop.plant.sample_time,
     )
+
+
+def _design_compensator(p: ObserverParameters) -> CompensationDesign:
+    return that_stays(design_compensator(p))
 
 
 def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:

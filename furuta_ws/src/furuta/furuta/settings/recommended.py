@@ -22,9 +22,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.pole_choice import quadratic_poles
-from furuta_control.control import ControllerParameters
+from furuta_control.control import POLE_PLACEMENT, ControllerParameters
 from furuta_control.excitation import ExcitationParameters
-from furuta_control.modes.balance import POLE_PLACEMENT
 from furuta_friction.compensation import ObserverParameters
 from furuta_friction.super_twisting import FRICTION_RATE
 from furuta_model.friction.lugre import highest_level
@@ -118,12 +117,13 @@ def with_super_twisting(
 ) -> ControllerParameters:
     """The controller with super-twisting for the friction model and sample time of the observer."""
     level = float(highest_level(observer.friction))
-    return controller._replace(
+    balance = controller.balance._replace(
         strength=1.0,
         super_twisting=FRICTION_RATE * level,
         super_twisting_bandwidth=min(BANDWIDTH, LARGEST_STEP / observer.sample_time),
         vibration_limit=max(VIBRATION * level, 1e-3),  # without friction, the least that is allowed
     )
+    return controller._replace(balance=balance)
 
 
 def _as_described(loop: Loop) -> Loop:
@@ -173,7 +173,8 @@ def _much_better(best: Loop, other: Loop) -> Loop:
 
 def _strengths(loop: Loop) -> Iterator[Loop]:
     for strength in STRENGTHS:
-        yield loop._replace(controller=loop.controller._replace(strength=strength))
+        balance = loop.controller.balance._replace(strength=strength)
+        yield loop._replace(controller=loop.controller._replace(balance=balance))
 
 
 def _poles(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
@@ -190,17 +191,17 @@ def _noises(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
     estimator = loop.estimator
     for name in KALMAN_NOISES:
         for factor in () if f"estimator.{name}" in fixed else NOISES:
-            kalman = estimator.parts.kalman
+            kalman = estimator.kalman
             kalman = kalman._replace(**{name: factor * getattr(kalman, name)})
-            parts = estimator.parts._replace(kalman=kalman)
-            yield loop._replace(estimator=estimator._replace(parts=parts))
+            yield loop._replace(estimator=estimator._replace(kalman=kalman))
 
 
 def _bandwidths(loop: Loop, fixed: frozenset[str]) -> Iterator[Loop]:
     for factor in BANDWIDTHS:
-        bandwidth = factor * loop.controller.super_twisting_bandwidth
-        controller = loop.controller._replace(super_twisting_bandwidth=bandwidth)
-        yield loop._replace(controller=controller)
+        balance = loop.controller.balance
+        bandwidth = factor * balance.super_twisting_bandwidth
+        balance = balance._replace(super_twisting_bandwidth=bandwidth)
+        yield loop._replace(controller=loop.controller._replace(balance=balance))
 
 
 def _score(loop: Loop) -> Score:

@@ -14,7 +14,7 @@ from furuta.settings.parameter_names import (
     parameters_named,
 )
 from furuta.settings.recommended import is_compensation, is_recommended, recommended_values
-from furuta_control.modes.balance import POLE_PLACEMENT
+from furuta_control.control import POLE_PLACEMENT
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
 from furuta_model.linear import DesiredPoles

@@ -9,6 +9,7 @@ import numpy as np
 from furuta.lanes.batch import available_cores
 from furuta.settings.settings import Settings, rig_settings
 from furuta_control.control import design_controller
+from furuta_control.modes.swing_up import SwingUpParameters
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parts.disturbances import Pushes
 from furuta_model.pendulum import FurutaPendulum
@@ -49,8 +50,8 @@ def judge(run: Record, loop: Loop) -> SwingUpRun:
     arm, speed = (float(np.max(np.abs(run.state[:, i]))) for i in (PHI, PHI_DOT))
     p = loop.controller
     beyond = (
-        arm > p.arm_angle_limit
-        or speed > p.arm_speed_limit
+        arm > p.balance.arm_angle_limit
+        or speed > p.balance.arm_speed_limit
         or float(np.max(np.abs(run.command))) > p.voltage_limit
     )
     return SwingUpRun(upright_since(run.state, run.sample_time), beyond)
@@ -136,12 +137,12 @@ def _random_state(loop: Loop, generator: np.random.Generator) -> tuple[float, fl
     the voltage, :data:`HOLDING_VOLTAGE`, holds the arm against its centrifugal torque γθ̇².
     """
     p = loop.controller
-    limits = design_controller(p).parts.swing_up.limits
+    limits = design_controller(p).swing_up.limits
     squared = p.model.delta / p.model.beta
     travel = min(limits.travel, 2.0 * pi)
     while True:
         phi = generator.uniform(-travel, travel)
-        speed = START_SPEED * p.arm_speed_limit * generator.uniform(-1.0, 1.0)
+        speed = START_SPEED * p.balance.arm_speed_limit * generator.uniform(-1.0, 1.0)
         theta = generator.uniform(-pi, pi)
         pendulum_speed = 2.0 * sqrt(squared) * generator.uniform(-1.0, 1.0)
         at_horizontal = p.model.gamma * (pendulum_speed**2 + 2.0 * squared * cos(theta))
@@ -168,8 +169,7 @@ class Knocks(NamedTuple):
 
 def run_knocks(loop: Loop) -> Knocks:
     """Swing up from the initial state, and again after every push."""
-    parts = loop.controller.parts
-    parts = parts._replace(swing_up=parts.swing_up._replace(recover=True))
+    again = loop.controller._replace(swing_up=SwingUpParameters(recover=True))
     model = loop.plant.model
     number = round(KNOCKS_TIME / PERIOD) - 1
     pushes = Pushes(
@@ -177,10 +177,7 @@ def run_knocks(loop: Loop) -> Knocks:
         durations=(DURATION * sqrt(model.beta / model.delta),),
         pendulum=tuple((-1.0) ** (k + 1) * TORQUE * model.delta for k in range(number)),
     )
-    pushed = loop._replace(
-        plant=loop.plant._replace(pushes=pushes),
-        controller=loop.controller._replace(parts=parts),
-    )
+    pushed = loop._replace(plant=loop.plant._replace(pushes=pushes), controller=again)
     return count_knocks(simulate(pushed, KNOCKS_TIME))
 
 

@@ -103,7 +103,7 @@ class TuningResult(NamedTuple):
 def is_twisting(compensation: Compensation) -> bool:
     """Whether it is of the recommended kind: LuGre with super-twisting."""
     observer, controller = compensation
-    return observer.compensation == "lugre" and controller.super_twisting > 0.0
+    return observer.compensation == "lugre" and controller.balance.super_twisting > 0.0
 
 
 def swing_of(estimates: list[np.ndarray]) -> float:

@@ -189,10 +189,13 @@ class Tuner:
     @property
     def _as_it_is(self) -> Trial:
         """The initial parameters."""
-        if self._start.observer.compensation == NONE and not self._start.controller.super_twisting:
+        if (
+            self._start.observer.compensation == NONE
+            and not self._start.controller.balance.super_twisting
+        ):
             return Trial(NONE, 0.0, self._start)
         if is_twisting(self._start):
-            return Trial(RECOMMENDED, self._start.controller.strength, self._start)
+            return Trial(RECOMMENDED, self._start.controller.balance.strength, self._start)
         return Trial(AS_IT_IS, 1.0, self._start)
 
     @property
@@ -204,19 +207,21 @@ class Tuner:
     def _candidate(self, name: str, scale: float) -> Trial:
         """A compensation to try; all but the recommended one have the observed level."""
         observer, controller = self._start
+        changed = {"strength": 1.0, "super_twisting": 0.0}
         if name == NONE:
-            controller = controller._replace(strength=0.0)
+            changed = {"strength": 0.0}
         elif name == RECOMMENDED:
             if not is_twisting(self._start):
                 controller = with_super_twisting(controller, observer)
-            controller = controller._replace(strength=scale)
+            changed = {"strength": scale}
             observer = observer._replace(compensation="lugre")
         else:
-            controller = controller._replace(strength=1.0, super_twisting=0.0)
             scaled = ("sigma1",) if name == "lugre" else ("alpha0", "alpha1")
             changes = {each: scale * getattr(self._known, each) for each in scaled}
             known = self._known._replace(**changes)
             observer = observer._replace(compensation=name, friction=known)
+        balance = controller.balance._replace(**changed)
+        controller = controller._replace(balance=balance)
         return Trial(name, scale, Compensation(observer, controller))
 
     def _search(self, name: str, first: float) -> None:

@@ -19,11 +19,11 @@ Both parts are bounded for bounded measurements: the error of the first is linea
 the second stays within its count.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from furuta_control.estimators.method import Method, NominalRig
+from furuta_control.estimators.method import NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.linear import KalmanParameters, linearize
 from furuta_model.sensors import Sensors
@@ -55,16 +55,8 @@ class Kalman(NamedTuple):
     half_count: float
 
 
-def design(p: Any) -> Kalman:
+def design(rig: NominalRig, p: KalmanParameters) -> Kalman:
     """The filter for the nominal rig."""
-    rig, noise = p.rig, p.parts.kalman
-    dynamics, torque, _ = _sampled(rig, noise)
-    prediction = np.column_stack([dynamics, torque])[: THETA + 1]
-    return Kalman(sample_kalman(rig, noise), prediction, half_count(rig.sensors))
-
-
-def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
-    """One sample of the filter as a matrix (5, 8), without the limits on φ."""
     dynamics, torque, covariance = _sampled(rig, p)
     gain = _gain(dynamics[1:, 1:], covariance[1:, 1:], rig.sensors)
     step = np.zeros((SIGNALS, INPUTS))
@@ -74,7 +66,8 @@ def sample_kalman(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
     predicted = step[[PHI_DOT, THETA]]
     step[1:] -= gain @ predicted
     step[1:, SIGNALS + 1 :] = gain
-    return step
+    prediction = np.column_stack([dynamics, torque])[: THETA + 1]
+    return Kalman(step, prediction, half_count(rig.sensors))
 
 
 def stationary_gain(rig: NominalRig, p: KalmanParameters) -> np.ndarray:
@@ -125,10 +118,9 @@ def _gain(dynamics: np.ndarray, process: np.ndarray, sensors: Sensors) -> np.nda
 
 
 @inlined
-def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
-    """Move the estimate by one sample with a ``measurement``."""
-    x, step = memory.estimate, p.parts.kalman.step
-    phi, phi_dot = x[PHI], x[PHI_DOT]
+def update(x: np.ndarray, measurement: np.ndarray, p: Kalman) -> None:
+    """Move the estimate ``x`` by one sample with a ``measurement`` (5,)."""
+    step, phi, phi_dot = p.step, x[PHI], x[PHI_DOT]
     theta, theta_dot, friction = x[THETA], x[THETA_DOT], x[OBSERVED_FRICTION]
     for i in range(SIGNALS):
         x[i] = (
@@ -141,7 +133,7 @@ def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
             + step[i, SIGNALS + 1] * measurement[PHI_DOT]
             + step[i, SIGNALS + 2] * measurement[THETA]
         )
-    x[PHI] = within_count(x[PHI], measurement[PHI], p.parts.kalman.half_count)
+    x[PHI] = within_count(x[PHI], measurement[PHI], p.half_count)
 
 
 @inlined
@@ -151,23 +143,9 @@ def within_count(angle: float, measured: float, half_count: float) -> float:
 
 
 @inlined
-def predict(memory: Any, torque: float, p: Any, predicted: np.ndarray) -> None:
+def predict(x: np.ndarray, torque: float, p: Kalman, predicted: np.ndarray) -> None:
     """Write φ, φ̇ and θ of the next sample to ``predicted``, for the ``torque`` [V] until then."""
-    prediction = p.parts.kalman.prediction
     for i in range(THETA + 1):
-        predicted[i] = prediction[i, SIGNALS] * torque
+        predicted[i] = p.prediction[i, SIGNALS] * torque
         for j in range(SIGNALS):
-            predicted[i] += prediction[i, j] * memory.estimate[j]
-
-
-PART = Method(
-    "kalman",
-    "Kalman filter on all sensors and the applied torque, which also observes the friction",
-    update,
-    predict=predict,
-    observes_friction=True,
-    needs_applied_torque=True,
-    parameters=KalmanParameters,
-    inline=True,
-    design=design,
-)
+            predicted[i] += p.prediction[i, j] * x[j]

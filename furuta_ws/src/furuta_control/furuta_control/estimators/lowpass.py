@@ -7,11 +7,10 @@ linearly between samples (first-order hold).
 """
 
 from math import nan
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_control.estimators.method import Method
 from furuta_model.compiled import inlined
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, THETA, THETA_DOT
@@ -38,12 +37,11 @@ class Lowpass(NamedTuple):
     lag: float
 
 
-def design(p: Any) -> Lowpass:
-    """The filter, by the matrix exponential of the system with its linear input."""
+def design(p: LowpassParameters, dt: float) -> Lowpass:
+    """The filter for a sample time, by the matrix exponential of the system with linear input."""
     from scipy.linalg import expm  # slow; not every node needs it
 
-    own, dt = p.parts.lowpass, p.sample_time
-    omega, zeta = own.filter_bandwidth, own.filter_damping
+    omega, zeta = p.filter_bandwidth, p.filter_damping
     system = np.zeros((4, 4))
     system[0, 1] = 1.0
     system[1] = [-(omega**2), -2.0 * zeta * omega, omega**2, 0.0]
@@ -55,30 +53,18 @@ def design(p: Any) -> Lowpass:
 
 
 @inlined
-def begin(memory: Any, measurement: np.ndarray, p: Any) -> None:
+def begin(x: np.ndarray, last: np.ndarray, measurement: np.ndarray, p: Lowpass) -> None:
     """Start in the steady state for the estimated speed; no friction is observed."""
-    x = memory.estimate
-    memory.readings.last[THETA] = measurement[THETA]
-    x[THETA] -= p.parts.lowpass.lag * x[THETA_DOT]
+    last[THETA] = measurement[THETA]
+    x[THETA] -= p.lag * x[THETA_DOT]
     x[OBSERVED_FRICTION] = nan
 
 
 @inlined
-def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
-    """Move the estimate by one sample with a ``measurement``."""
-    x, step, previous = memory.estimate, p.parts.lowpass.step, memory.readings.last[THETA]
+def update(x: np.ndarray, last: np.ndarray, measurement: np.ndarray, p: Lowpass) -> None:
+    """Move the estimate ``x`` by one sample with a ``measurement`` (5,) after the ``last`` one."""
+    step, previous = p.step, last[THETA]
     y, y_dot, new = x[THETA], x[THETA_DOT], measurement[THETA]
     x[PHI], x[PHI_DOT] = measurement[PHI], measurement[PHI_DOT]
     x[THETA] = step[0, 0] * y + step[0, 1] * y_dot + step[0, 2] * previous + step[0, 3] * new
     x[THETA_DOT] = step[1, 0] * y + step[1, 1] * y_dot + step[1, 2] * previous + step[1, 3] * new
-
-
-PART = Method(
-    "lowpass",
-    "the paper's filter on the potentiometer, with the arm as measured",
-    update,
-    begin,
-    parameters=LowpassParameters,
-    inline=True,
-    design=design,
-)

@@ -1,11 +1,11 @@
 """A method of the user's own: a function f(memory, x, measurement, p) that moves the estimate x."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
-from furuta_model.own_functions import begin_own, call_own
+from furuta_model.own_functions import OwnMemory, begin_own, call_own
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import SIGNALS
 
@@ -19,12 +19,14 @@ class OwnEstimation(NamedTuple):
 
 
 @inlined
-def update(memory: Any, measurement: np.ndarray, p: Any) -> None:
-    """Move the estimate by one sample with a ``measurement`` (5,); NaN if the function fails."""
-    m = p.own.model
+def update(
+    memory: OwnMemory, x: np.ndarray, measurement: np.ndarray, function: int, p: OwnEstimation
+) -> None:
+    """Move the estimate ``x`` by one sample with a ``measurement``; NaN if the function fails."""
+    m = p.model
     model = FurutaPendulum(m.alpha, m.beta, m.gamma, m.delta)
-    given = OwnEstimation(model, p.own.viscous, p.own.sample_time)
-    begin_own(memory.own, p.function)
-    if call_own(p.function, (memory.own.numbers, memory.estimate, measurement, given)) == 0.0:
+    given = OwnEstimation(model, p.viscous, p.sample_time)
+    begin_own(memory, function)
+    if call_own(function, (memory.numbers, x, measurement, given)) == 0.0:
         for i in range(SIGNALS):
-            memory.estimate[i] = np.nan
+            x[i] = np.nan

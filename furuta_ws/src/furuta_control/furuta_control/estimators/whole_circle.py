@@ -13,14 +13,15 @@ the joints, on which the entries of K between arm and pendulum depend, is propor
 well. The arm angle is treated as there: integrated, and kept within half a count of the encoder.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from furuta_control.estimators import kalman
-from furuta_control.estimators.method import Method, NominalRig
+from furuta_control.estimators.method import NominalRig
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
+from furuta_model.linear import KalmanParameters
 from furuta_model.pendulum import FurutaPendulum, accelerations
 from furuta_model.state import (
     APPLIED_TORQUE,
@@ -47,14 +48,13 @@ class WholeCircle(NamedTuple):
     half_count: float
 
 
-def design(p: Any) -> WholeCircle:
+def design(rig: NominalRig, noise: KalmanParameters, is_chosen: bool) -> WholeCircle:
     """The filter for the nominal rig, with the process noise of the Kalman filter.
 
-    For another method it has no gain, and takes no time to design.
+    If another method is chosen it has no gain, and takes no time to design.
     """
-    rig, noise = p.rig, p.parts.kalman
     upright = opposite = np.zeros((CORRECTED, SENSORS))
-    if p.method == PART.name:
+    if is_chosen:
         upright = kalman.stationary_gain(rig, noise)
         opposite = kalman.stationary_gain(rig._replace(model=hanging(rig.model)), noise)
     return WholeCircle(
@@ -78,9 +78,8 @@ def hanging(p: FurutaPendulum) -> FurutaPendulum:
 
 
 @inlined
-def update(memory: Any, measurement: np.ndarray, design: Any) -> None:
-    """Move the estimate by one sample with a ``measurement``."""
-    x, p = memory.estimate, design.parts.whole_circle
+def update(x: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
+    """Move the estimate ``x`` by one sample with a ``measurement`` (5,)."""
     v, theta, w = x[PHI_DOT], x[THETA], x[THETA_DOT]
     torque, h = measurement[APPLIED_TORQUE] - x[OBSERVED_FRICTION], p.sample_time
     half = 0.5 * h
@@ -106,14 +105,3 @@ def _correct(x: np.ndarray, measurement: np.ndarray, p: WholeCircle) -> None:
         of_speed = p.hanging[i, 0] + share * (p.upright[i, 0] - p.hanging[i, 0])
         of_angle = p.hanging[i, 1] + share * (p.upright[i, 1] - p.hanging[i, 1])
         x[PHI_DOT + i] += of_speed * speed + of_angle * angle
-
-
-PART = Method(
-    "whole_circle",
-    "Kalman filter with the nonlinear model, for any pendulum angle",
-    update,
-    observes_friction=True,
-    needs_applied_torque=True,
-    covers_circle=True,
-    design=design,
-)

@@ -8,8 +8,8 @@ faster is limited to the voltage that brings the speed back within the response 
 from math import sqrt
 from typing import NamedTuple
 
+from furuta_control.modes.mode import ControlledRig
 from furuta_model.compiled import compiled
-from furuta_model.pendulum import FurutaPendulum
 
 # Parts of the limits that are used; the rest is for noise, delay and errors of the model.
 USED_TRAVEL = 0.7
@@ -38,27 +38,19 @@ class ArmLimits(NamedTuple):
     last_speed: float
 
 
-def design(
-    model: FurutaPendulum,
-    voltage: float,
-    viscous: float,
-    angle_limit: float,
-    speed_limit: float,
-    dt: float,
-) -> ArmLimits:
+def design(rig: ControlledRig, angle_limit: float, speed_limit: float) -> ArmLimits:
     """The limits for a rig. The braking is that with the pendulum horizontal, the heaviest.
 
-    The speed is also one at which viscous friction [V s/rad], back-EMF included, leaves voltage.
+    The speed is also one at which viscous friction, back-EMF included, leaves voltage.
     """
     speed = USED_SPEED * speed_limit
-    if viscous > 0.0:
-        speed = min(speed, DRIVING_VOLTAGE * voltage / viscous)
-    braking = BRAKING_VOLTAGE * voltage / (model.alpha + model.beta)
+    if rig.viscous > 0.0:
+        speed = min(speed, DRIVING_VOLTAGE * rig.voltage_limit / rig.viscous)
     return ArmLimits(
         travel=USED_TRAVEL * angle_limit,
         speed=speed,
-        braking=braking,
-        response=RESPONSE * dt,
+        braking=BRAKING_VOLTAGE * rig.voltage_limit / (rig.model.alpha + rig.model.beta),
+        response=RESPONSE * rig.sample_time,
         last_travel=angle_limit,
         last_speed=speed_limit,
     )

@@ -15,22 +15,19 @@ strength k scales the whole compensation, u = −Lx + k(F̂ + v).
 """
 
 from dataclasses import dataclass, field
-from math import ceil, expm1
-from typing import Annotated, Any, NamedTuple
+from math import ceil, expm1, pi
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_control.modes.mode import Mode
+from furuta_control.modes.mode import ControlledRig, Gain, fed_back
 from furuta_friction import super_twisting
 from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
-from furuta_model.parameters import OFF_AT_ZERO
+from furuta_model.parameters import OFF_AT_ZERO, About, ParameterError
 from furuta_model.registry import designed_once
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
-# The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
-# type of an empty list, and not four zeros, because these are a gain.
-POLE_PLACEMENT = (0.0,)
 # Time constant with which the strength follows its parameter [s], so that u does not jump.
 STRENGTH_TIME = 0.1
 # Largest integral of super-twisting, relative to its gain [s]: twice the level of friction that the
@@ -63,63 +60,106 @@ class BalanceMemory:
     super_twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
 
 
-class Balance(NamedTuple):
-    """Gain L of u = −Lx [V per unit of state], and when balancing stops and starts.
+class BalanceParameters(NamedTuple):
+    """Parameters of the mode."""
 
-    Angles [rad], speeds [rad/s], number of samples. ``integral_share`` is the sample time over the
-    integral time, 0 without integral action; ``integral_limit`` [V] is that of super-twisting.
-    ``strength_share`` is the part of a change of the strength that a sample makes.
+    fall_angle: Annotated[
+        float, About("pendulum angle beyond which the command is 0 V", "rad", 0.01, 3.0)
+    ] = 0.7
+    catch_angle: Annotated[
+        float, About("pendulum angle within which balancing starts", "rad", 0.0, 3.0)
+    ] = 0.2
+    catch_speed: Annotated[
+        float, About("after a fall: highest pendulum speed to start balancing", "rad/s", 0.0, 1e3)
+    ] = 2.0
+    catch_time: Annotated[
+        float,
+        About("after a fall: time to stay within catch_angle and catch_speed", "s", 0.0, 10.0),
+    ] = 0.05
+    arm_reference: Annotated[
+        float, About("arm angle at which the arm is held", "rad", -1e6, 1e6)
+    ] = 0.0
+    arm_error_limit: Annotated[
+        float, About("largest arm error that is fed back, so that u stays small", "rad", 1e-3, 1e6)
+    ] = 1.0
+    integral_time: Annotated[
+        float, About("integral time of the arm's error, 0 for no integral action", "s", 0.0, 1e4)
+    ] = 0.0
+    strength: Annotated[
+        float,
+        About(
+            "scale of the whole compensation, friction estimate and super-twisting: 0 for none, 1 "
+            "as designed; lower it if the compensation shakes the arm, as with a late drive",
+            "",
+            0.0,
+            4.0,
+        ),
+    ] = 1.0
+    super_twisting: Annotated[
+        float,
+        About("super-twisting: gain, the largest rate of friction, 0 for off", "V/s", 0.0, 1e4),
+    ] = 0.0
+    super_twisting_bandwidth: Annotated[
+        float,
+        About("super-twisting: bandwidth that limits the gain, 0 for none", "1/s", 0.0, 1e4),
+    ] = 0.0
+    vibration_limit: Annotated[
+        float,
+        About("super-twisting: vibration amplitude above which it is reduced", "V", 1e-3, 1e6),
+    ] = 0.8
+    arm_angle_limit: Annotated[
+        float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
+    ] = 2 * pi
+    arm_speed_limit: Annotated[
+        float, About("arm speed beyond which balancing stops", "rad/s", 0.1, 1e6)
+    ] = 9.9
+
+    def check(self) -> None:
+        """Reject a pendulum that is caught beyond the angle at which it has fallen."""
+        if self.catch_angle > self.fall_angle:
+            raise ParameterError(
+                f"catch_angle must not exceed fall_angle, given {self.catch_angle:g} > "
+                f"{self.fall_angle:g}"
+            )
+
+
+class Balance(NamedTuple):
+    """The mode as :func:`command` uses it: the gain L, its parameters, and what follows from them.
+
+    ``integral_share`` is the sample time over the integral time, 0 without integral action;
+    ``integral_limit`` [V] is that of super-twisting. ``strength_share`` is the part of a change of
+    the strength that a sample makes.
     """
 
-    l1: float
-    l2: float
-    l3: float
-    l4: float
-    fall_angle: float
-    arm_angle_limit: float
-    arm_speed_limit: float
-    catch_angle: float
-    catch_speed: float
+    gain: Gain
+    limits: BalanceParameters
     catch_samples: int
-    arm_reference: float
-    arm_error_limit: float
     integral_share: Annotated[float, OFF_AT_ZERO]
-    strength: float
     strength_share: float
     super_twisting: SuperTwisting
     integral_limit: float
 
 
 @designed_once
-def design(p: Any) -> Balance:
-    """Balancing for all parameters of the controller."""
-    l1, l2, l3, l4 = gain = p.feedback_gain
+def design(rig: ControlledRig, p: BalanceParameters) -> Balance:
+    """Balancing for a rig."""
+    dt = rig.sample_time
     return Balance(
-        l1=l1,
-        l2=l2,
-        l3=l3,
-        l4=l4,
-        fall_angle=p.fall_angle,
-        arm_angle_limit=p.arm_angle_limit,
-        arm_speed_limit=p.arm_speed_limit,
-        catch_angle=p.catch_angle,
-        catch_speed=p.catch_speed,
-        catch_samples=ceil(p.catch_time / p.sample_time),
-        arm_reference=p.arm_reference,
-        arm_error_limit=p.arm_error_limit,
-        integral_share=p.sample_time / p.integral_time if p.integral_time > 0.0 else 0.0,
-        strength=p.strength,
-        strength_share=-expm1(-p.sample_time / STRENGTH_TIME),
+        gain=rig.gain,
+        limits=p,
+        catch_samples=ceil(p.catch_time / dt),
+        integral_share=dt / p.integral_time if p.integral_time > 0.0 else 0.0,
+        strength_share=-expm1(-dt / STRENGTH_TIME),
         super_twisting=super_twisting.design_for_pendulum(
             p.super_twisting,
             p.super_twisting_bandwidth,
             p.vibration_limit,
-            p.model,
-            p.model_viscous,
-            gain,
-            p.sample_time,
+            rig.model,
+            rig.viscous,
+            rig.gain,
+            dt,
         ),
-        integral_limit=min(p.voltage_limit, INTEGRAL_LIMIT * p.super_twisting),
+        integral_limit=min(rig.voltage_limit, INTEGRAL_LIMIT * p.super_twisting),
     )
 
 
@@ -134,8 +174,8 @@ def balances(memory: BalanceMemory, x: np.ndarray, p: Balance) -> bool:
     if not is_allowed(x, p):
         leave(memory)
         return False
-    if not memory.balancing and abs(x[THETA]) <= p.catch_angle:
-        slow = abs(x[THETA_DOT]) <= p.catch_speed
+    if not memory.balancing and abs(x[THETA]) <= p.limits.catch_angle:
+        slow = abs(x[THETA_DOT]) <= p.limits.catch_speed
         memory.ready = memory.ready + 1 if slow else 0
         if not memory.fallen or memory.ready > p.catch_samples:
             begin(memory)
@@ -149,9 +189,9 @@ def is_allowed(x: np.ndarray, p: Balance) -> bool:
     """Whether the state is known and within the limits."""
     # A comparison with NaN is false.
     return (
-        (abs(x[THETA]) <= p.fall_angle)
-        & (abs(x[PHI]) <= p.arm_angle_limit)
-        & (abs(x[PHI_DOT]) <= p.arm_speed_limit)
+        (abs(x[THETA]) <= p.limits.fall_angle)
+        & (abs(x[PHI]) <= p.limits.arm_angle_limit)
+        & (abs(x[PHI_DOT]) <= p.limits.arm_speed_limit)
         & (not np.isnan(x[THETA_DOT]))
     )
 
@@ -187,20 +227,21 @@ def forget_integrals(memory: BalanceMemory) -> None:
 def scaled(memory: BalanceMemory, friction: float, p: Balance) -> float:
     """The friction estimate [V] times the strength that acts in this sample."""
     if not memory.begun:
-        memory.begun, memory.strength = True, p.strength
-    memory.strength += p.strength_share * (p.strength - memory.strength)
+        memory.begun, memory.strength = True, p.limits.strength
+    memory.strength += p.strength_share * (p.limits.strength - memory.strength)
     return memory.strength * friction
 
 
 @inlined
 def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
     """Command u [V], unsaturated, for state estimate ``x`` and :func:`scaled` ``friction`` [V]."""
-    error = min(max(x[PHI] - p.arm_reference, -p.arm_error_limit), p.arm_error_limit)
-    u = friction - p.l1 * error - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    limit = p.limits.arm_error_limit
+    error = min(max(x[PHI] - p.limits.arm_reference, -limit), limit)
+    u = fed_back(friction, error, x, p.gain)
     if p.integral_share > 0.0:
         integral = memory.integral + p.integral_share * error
-        memory.integral = min(max(integral, -p.arm_error_limit), p.arm_error_limit)
-        u -= p.l1 * memory.integral
+        memory.integral = min(max(integral, -limit), limit)
+        u -= p.gain.l1 * memory.integral
     if memory.strength < LEAST_STRENGTH:
         memory.super_twisting.started = False
     elif p.super_twisting.rate_bound > 0.0:
@@ -211,16 +252,8 @@ def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -
 
 
 @inlined
-def _drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
-    """Command u [V]; NaN if the pendulum is not balanced."""
-    if not balances(memory.balance, x, p.balance):
+def balanced(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
+    """Command u [V] of the mode; NaN if the pendulum is not balanced."""
+    if not balances(memory, x, p):
         return np.nan
-    return command(memory.balance, x, friction, p.balance)
-
-
-PART = Mode(
-    "balance",
-    "state feedback about upright with friction compensation",
-    _drive,
-    feedback=True,
-)
+    return command(memory, x, friction, p)

@@ -24,9 +24,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_control.modes.arm_limits import ArmLimits
+from furuta_control.modes.mode import ControlledRig, Gain, fed_back
 from furuta_model.compiled import inlined
 from furuta_model.linear import linearize
-from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Pendulum angle [rad] within which it is caught, and beyond which it has been missed.
@@ -42,28 +42,29 @@ ARM_DEVIATION = 0.5
 PENDULUM_DEVIATION = 0.3
 # Weight of the command, relative to the inverse square of the voltage limit.
 EFFORT = 100.0
-# Largest arm error [rad] that is fed back, and travel [rad] that weights and errors assume.
+# Largest arm error [rad] that is fed back.
 ARM_ERROR = 1.0
 
 
 class Catching(NamedTuple):
-    """Gain L [V per unit of state], γ/β, ω [rad/s] and the arm's reference [rad]."""
+    """Gain L, γ/β, ω [rad/s] and the arm's reference [rad]."""
 
-    l1: float
-    l2: float
-    l3: float
-    l4: float
-    ratio: float
-    frequency: float
-    arm_reference: float
+    gain: Gain = Gain()
+    ratio: float = 1.0
+    frequency: float = 1.0
+    arm_reference: float = 0.0
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether there is a feedback."""
+        return bool(np.all(np.isfinite((*self.gain, *self[1:]))))
 
 
-def design(
-    model: FurutaPendulum, voltage: float, limits: ArmLimits, arm_reference: float
-) -> Catching:
+def design(rig: ControlledRig, limits: ArmLimits, arm_reference: float) -> Catching:
     """The feedback for a rig; NaN if there is none."""
     from scipy.linalg import solve_continuous_are  # slow; not every node needs it
 
+    model = rig.model
     frequency = sqrt(model.delta / model.beta)
     a, b = linearize(model)
     deviations = np.array(
@@ -75,25 +76,12 @@ def design(
         )
     )
     try:
-        effort = EFFORT / voltage**2
+        effort = EFFORT / rig.voltage_limit**2
         cost = solve_continuous_are(a, b[:, None], np.diag(deviations**-2), effort * np.eye(1))
-        l1, l2, l3, l4 = (b @ cost / effort).tolist()
+        gain = Gain(*(b @ cost / effort).tolist())
     except (np.linalg.LinAlgError, ArithmeticError, ValueError):
-        l1 = l2 = l3 = l4 = nan
-    return Catching(
-        l1=l1,
-        l2=l2,
-        l3=l3,
-        l4=l4,
-        ratio=model.gamma / model.beta,
-        frequency=frequency,
-        arm_reference=arm_reference,
-    )
-
-
-def unused() -> Catching:
-    """No feedback, for a controller in another mode."""
-    return Catching(l1=0.0, l2=0.0, l3=0.0, l4=0.0, ratio=1.0, frequency=1.0, arm_reference=0.0)
+        gain = Gain(nan, nan, nan, nan)
+    return Catching(gain, model.gamma / model.beta, frequency, arm_reference)
 
 
 @inlined
@@ -114,4 +102,4 @@ def can_catch(x: np.ndarray, limits: ArmLimits, p: Catching) -> bool:
 def command(x: np.ndarray, friction: float, p: Catching) -> float:
     """Command u [V], unsaturated, for state ``x`` and friction estimate [V]."""
     error = min(max(x[PHI] - p.arm_reference, -ARM_ERROR), ARM_ERROR)
-    return friction - p.l1 * error - p.l2 * x[PHI_DOT] - p.l3 * x[THETA] - p.l4 * x[THETA_DOT]
+    return fed_back(friction, error, x, p.gain)

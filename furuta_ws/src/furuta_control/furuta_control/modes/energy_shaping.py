@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_control.modes.arm_limits import ArmLimits
+from furuta_control.modes.mode import ControlledRig
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
-from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Error of the energy at which the full acceleration is used, η.
@@ -64,17 +64,18 @@ class EnergyShaping(NamedTuple):
     damping: float
 
 
-def design(model: FurutaPendulum, voltage: float, limits: ArmLimits) -> EnergyShaping:
+def design(rig: ControlledRig, limits: ArmLimits) -> EnergyShaping:
     """The law for a rig.
 
     The acceleration is what the voltage allows, and what keeps the arm within its speed and travel
     when its sign changes once in every half period of the pendulum.
     """
+    model = rig.model
     squared = model.delta / model.beta
     frequency = sqrt(squared)
     half_period = pi / frequency
     acceleration = min(
-        USED_VOLTAGE * voltage / (model.alpha + model.beta),
+        USED_VOLTAGE * rig.voltage_limit / (model.alpha + model.beta),
         2.0 * limits.speed / half_period,
         6.6 * limits.travel / half_period**2,
     )

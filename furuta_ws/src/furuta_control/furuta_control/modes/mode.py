@@ -1,33 +1,48 @@
-"""Interface of a controller mode.
+"""What every controller mode is told, and what is to be known of one."""
 
-A mode is a file in this folder that defines a :class:`Mode` as ``PART``;
-:mod:`furuta_control.control` lists the file.
-"""
+from typing import NamedTuple
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+import numpy as np
+
+from furuta_model.compiled import inlined
+from furuta_model.pendulum import FurutaPendulum
+from furuta_model.state import PHI_DOT, THETA, THETA_DOT
+
+
+class Gain(NamedTuple):
+    """L of u = −Lx [V per unit of state]."""
+
+    l1: float = 0.0
+    l2: float = 0.0
+    l3: float = 0.0
+    l4: float = 0.0
+
+
+class ControlledRig(NamedTuple):
+    """What every mode is told: model with its friction [V s/rad], range [V], L, sample time [s]."""
+
+    model: FurutaPendulum
+    viscous: float
+    voltage_limit: float
+    gain: Gain
+    sample_time: float
 
 
 class Mode(NamedTuple):
-    """A mode.
-
-    ``command`` (compiled) gives u [V], unsaturated, from the memory
-    (:class:`furuta_control.control.ControllerMemory`), the state estimate (4 or more), the friction
-    estimate [V] and the design (:class:`furuta_control.control.ControllerDesign`); NaN if the mode
-    does not drive. Modes with ``feedback`` about upright keep what they remember; another mode
-    forgets it.
-
-    A mode may have ``parameters``, a ``memory``, a ``design`` and a ``reset``, as a compensator has
-    (:class:`furuta_friction.compensator.Compensator`): from all ``ControllerParameters``, and found
-    by its name in ``p.parts`` and ``memory.parts``.
-    """
+    """A mode. Modes with ``feedback`` about upright keep what they remember; others forget it."""
 
     name: str
     meaning: str
-    command: Callable[..., float]
     feedback: bool = False
-    parameters: Any = None
-    inline: bool = False
-    memory: Any = None
-    design: Callable[[Any], Any] | None = None
-    reset: Callable[[Any], None] | None = None
+
+
+@inlined
+def fed_back(friction: float, error: float, x: np.ndarray, gain: Gain) -> float:
+    """Command u [V] for a friction estimate [V], arm error [rad] and state ``x``, eq. (8)."""
+    return (
+        friction
+        - gain.l1 * error
+        - gain.l2 * x[PHI_DOT]
+        - gain.l3 * x[THETA]
+        - gain.l4 * x[THETA_DOT]
+    )

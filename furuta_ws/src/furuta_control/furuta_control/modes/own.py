@@ -1,11 +1,11 @@
 """A mode of the user's own: a function u = f(memory, x, friction, p), called by its address."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from furuta_model.compiled import inlined
-from furuta_model.own_functions import begin_own, call_own
+from furuta_model.own_functions import OwnMemory, begin_own, call_own
 
 
 class OwnControl(NamedTuple):
@@ -21,9 +21,9 @@ class OwnControl(NamedTuple):
 
 
 @inlined
-def command(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
+def command(
+    memory: OwnMemory, x: np.ndarray, friction: float, function: int, given: OwnControl
+) -> float:
     """Command u [V], unsaturated, for the state estimate ``x``."""
-    b = p.balance
-    given = OwnControl(b.l1, b.l2, b.l3, b.l4, b.arm_reference, p.voltage_limit, p.sample_time)
-    begin_own(memory.own, p.function)
-    return call_own(p.function, (memory.own.numbers, x, friction, given))
+    begin_own(memory, function)
+    return call_own(function, (memory.numbers, x, friction, given))

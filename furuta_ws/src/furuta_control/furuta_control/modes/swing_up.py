@@ -18,7 +18,7 @@ good: only a new start or another mode allows one again.
 
 from dataclasses import dataclass, field
 from math import ceil
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from furuta_control.modes.arm_limits import ArmLimits
 from furuta_control.modes.balance import Balance, BalanceMemory
 from furuta_control.modes.catching import Catching
 from furuta_control.modes.energy_shaping import EnergyShaping, EnergyShapingMemory
-from furuta_control.modes.mode import Mode
+from furuta_control.modes.mode import ControlledRig
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import About
 from furuta_model.pendulum import FurutaPendulum, arm_dynamics
@@ -38,9 +38,9 @@ PHASES = ("off", "swing_up", "catch", "balance", "brake")
 
 # Time [s] near upright after which balancing takes over from catching.
 SETTLED_TIME = 0.3
-# Time constant of the brake and its shortest time [s]; share of the speed at which the arm is at
-# rest.
+# Time constant of the brake, which is also its shortest time [s].
 BRAKE_TIME = 0.03
+# Share of the speed limit at which the arm is at rest.
 AT_REST = 0.05
 
 
@@ -85,48 +85,40 @@ class SwingUp(NamedTuple):
     brake_samples: int
 
 
-def design(p: Any) -> SwingUp:
-    """The mode for all parameters of the controller; for another mode only what takes no time.
+def design(
+    rig: ControlledRig,
+    p: SwingUpParameters,
+    balancing: Balance,
+    is_chosen: bool,
+    keeps_gain: bool,
+) -> SwingUp:
+    """The mode for a rig; if another one ``is_chosen``, only what takes no time.
 
-    ``model_viscous`` friction is known, and compensated beside the friction estimate. Without an
-    explicit gain it balances with the gain with which it catches, not with that of the mode
+    ``viscous`` friction is known, and compensated beside the friction estimate. Unless it
+    ``keeps_gain``, it balances with the gain with which it catches, not with that of the mode
     ``balance``: poles that suit one rig let another one fall.
     """
-    balancing, model, dt = balance.design(p), p.model, p.sample_time
-    limits = arm_limits.design(
-        model,
-        voltage=p.voltage_limit,
-        viscous=p.model_viscous,
-        angle_limit=p.arm_angle_limit,
-        speed_limit=p.arm_speed_limit,
-        dt=dt,
-    )
-    regulator = (
-        catching.design(model, p.voltage_limit, limits, p.arm_reference)
-        if p.mode == PART.name
-        else catching.unused()
-    )
-    if p.gain == balance.POLE_PLACEMENT:
-        balancing = balancing._replace(
-            l1=regulator.l1, l2=regulator.l2, l3=regulator.l3, l4=regulator.l4
-        )
+    of_arm = balancing.limits
+    limits = arm_limits.design(rig, of_arm.arm_angle_limit, of_arm.arm_speed_limit)
+    regulator = Catching()
+    if is_chosen:
+        regulator = catching.design(rig, limits, of_arm.arm_reference)
     return SwingUp(
-        recover=p.parts.swing_up.recover,
-        model=model,
-        viscous=p.model_viscous,
+        recover=p.recover,
+        model=rig.model,
+        viscous=rig.viscous,
         limits=limits,
-        energy=energy_shaping.design(model, p.voltage_limit, limits),
+        energy=energy_shaping.design(rig, limits),
         catching=regulator,
-        balancing=balancing,
-        settled_samples=ceil(SETTLED_TIME / dt),
-        brake_samples=ceil(BRAKE_TIME / dt),
+        balancing=balancing if keeps_gain else balancing._replace(gain=regulator.gain),
+        settled_samples=ceil(SETTLED_TIME / rig.sample_time),
+        brake_samples=ceil(BRAKE_TIME / rig.sample_time),
     )
 
 
 @inlined
-def reset(controller: Any) -> None:
+def reset(memory: SwingUpMemory) -> None:
     """Forget what has happened: the next sample begins a swing-up."""
-    memory = controller.parts.swing_up
     memory.phase, memory.samples = OFF, 0
     memory.caught = memory.beyond = memory.energy.started = False
 
@@ -160,25 +152,52 @@ def command(
 
 
 @inlined
-def _next_phase(memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> int:
-    """The phase of this sample."""
+def _next_phase(  # noqa: PLR0911 (one for each way on)
+    memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp
+) -> int:
+    """The phase of this sample.
+
+    ``off`` ends in the brake, unless only a pendulum held upright will do: the brake needs the
+    arm's state only, which is measured, and the estimate of the pendulum's speed settles meanwhile.
+    """
     if np.isnan(x[PHI] + x[PHI_DOT] + x[THETA] + x[THETA_DOT]):
         balance.leave(balancing)
         return OFF
     if abs(x[PHI]) > p.limits.last_travel:
         memory.beyond = True
-    phase = memory.phase
-    if phase == OFF:
-        return _begin(memory, balancing, x, p)
-    if _lost(phase, balancing, x, p):
-        return _brake(memory, balancing)
+    phase, is_over = memory.phase, memory.beyond or (memory.caught and not p.recover)
+    if phase == OFF and is_over:
+        if memory.beyond:
+            return OFF
+        return BALANCING if balance.balances(balancing, x, p.balancing) else OFF
+    if phase == OFF or _is_lost(phase, balancing, x, p):
+        balance.leave(balancing)
+        memory.samples = 0
+        return BRAKING
+    if phase == BALANCING:
+        return BALANCING
     if phase == CATCHING:
-        return _hand_over(memory, balancing, x, p)
-    return phase if phase == BALANCING else _on_the_way(memory, x, p)
+        memory.samples = memory.samples + 1 if _is_near_upright(x, p) else 0
+        if memory.samples <= p.settled_samples:
+            return CATCHING
+        balance.leave(balancing)
+        balance.begin(balancing)
+        memory.caught = True
+        return BALANCING
+    if phase == BRAKING and _still_brakes(memory, x, p):
+        return BRAKING
+    if phase == BRAKING and is_over:
+        return OFF
+    if catching.can_catch(x, p.limits, p.catching):
+        memory.samples = 0
+        return CATCHING
+    if phase != SWINGING:
+        memory.energy.started = False
+    return SWINGING
 
 
 @inlined
-def _lost(phase: int, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> bool:
+def _is_lost(phase: int, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> bool:
     """Whether the pendulum has fallen, or the arm can no longer be stopped within its limits."""
     if phase == BRAKING:
         return False
@@ -189,68 +208,14 @@ def _lost(phase: int, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> bo
 
 
 @inlined
-def _on_the_way(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> int:
-    """The phase after braking or swinging."""
-    if memory.phase == BRAKING and _still_brakes(memory, x, p):
-        return BRAKING
-    if memory.phase == BRAKING and _given_up(memory, p):
-        return OFF
-    return _swing(memory, x, p)
-
-
-@inlined
-def _given_up(memory: SwingUpMemory, p: SwingUp) -> bool:
-    """Whether the pendulum must not be swung up again."""
-    return memory.beyond or (memory.caught and not p.recover)
-
-
-@inlined
-def _begin(memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> int:
-    """The phase after ``off``: the brake, unless only a pendulum held upright will do.
-
-    The brake needs the arm's state only, which is measured. The estimate of the pendulum's speed
-    settles meanwhile.
-    """
-    if not _given_up(memory, p):
-        return _brake(memory, balancing)
-    if memory.beyond:
-        return OFF
-    return BALANCING if balance.balances(balancing, x, p.balancing) else OFF
-
-
-@inlined
-def _swing(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> int:
-    """The phase of a pendulum that is to be swung up."""
-    if catching.can_catch(x, p.limits, p.catching):
-        memory.samples = 0
-        return CATCHING
-    if memory.phase != SWINGING:
-        memory.energy.started = False
-    return SWINGING
-
-
-@inlined
-def _hand_over(memory: SwingUpMemory, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) -> int:
-    """Balance once the pendulum has been near upright and slow for long enough."""
-    near = (
-        abs(x[THETA]) <= p.balancing.catch_angle
-        and abs(x[THETA_DOT]) <= p.balancing.catch_speed
-        and abs(x[PHI] - p.balancing.arm_reference) <= p.balancing.arm_error_limit
+def _is_near_upright(x: np.ndarray, p: SwingUp) -> bool:
+    """Whether the pendulum is upright and slow, with the arm near its reference."""
+    limits = p.balancing.limits
+    return (
+        abs(x[THETA]) <= limits.catch_angle
+        and abs(x[THETA_DOT]) <= limits.catch_speed
+        and abs(x[PHI] - limits.arm_reference) <= limits.arm_error_limit
     )
-    memory.samples = memory.samples + 1 if near else 0
-    if memory.samples <= p.settled_samples:
-        return CATCHING
-    balance.leave(balancing)
-    balance.begin(balancing)
-    memory.caught = True
-    return BALANCING
-
-
-@inlined
-def _brake(memory: SwingUpMemory, balancing: BalanceMemory) -> int:
-    balance.leave(balancing)
-    memory.samples = 0
-    return BRAKING
 
 
 @inlined
@@ -258,20 +223,3 @@ def _still_brakes(memory: SwingUpMemory, x: np.ndarray, p: SwingUp) -> bool:
     """Whether the arm is not yet at rest, or the estimate may still be settling."""
     memory.samples += 1
     return abs(x[PHI_DOT]) > AT_REST * p.limits.speed or memory.samples <= p.brake_samples
-
-
-@inlined
-def _drive(memory: Any, x: np.ndarray, friction: float, p: Any) -> float:
-    return command(memory.parts.swing_up, memory.balance, x, friction, p.parts.swing_up)
-
-
-PART = Mode(
-    "swing_up",
-    "swing the pendulum up from any angle, catch it and balance",
-    _drive,
-    feedback=True,
-    parameters=SwingUpParameters,
-    memory=SwingUpMemory,
-    design=design,
-    reset=reset,
-)

@@ -5,12 +5,12 @@ A factor on the levels, one for each direction of motion, is adapted at the rate
 
 from dataclasses import dataclass
 from math import isnan
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction.compensator import Compensator
-from furuta_friction.compensators.bristle_observer import observe
+from furuta_friction.compensator import Joint
+from furuta_friction.compensators.bristle_observer import BristleMemory, observe
 from furuta_model.compiled import inlined
 from furuta_model.elementary import expm1
 from furuta_model.friction.levels import with_levels
@@ -41,11 +41,23 @@ class AdaptiveParameters(NamedTuple):
     ] = 20.0
 
 
+class Adaptive(NamedTuple):
+    """The design: the joint, and the rate at which levels adapt [1/s]."""
+
+    joint: Joint
+    rate: float
+
+
+def design(joint: Joint, p: AdaptiveParameters) -> Adaptive:
+    """The compensator for a joint."""
+    return Adaptive(joint, p.adaptation_gain)
+
+
 @inlined
-def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
+def estimate(bristle: BristleMemory, memory: AdaptiveMemory, x: np.ndarray, p: Adaptive) -> float:
     """F̂ [V]; the levels move towards the observed friction."""
-    force = observe(memory, x, adapted(memory.parts.adaptive, p.friction), p)
-    _adapt(memory, x, force, p)
+    force = observe(bristle, x, adapted(memory, p.joint.friction), p.joint)
+    _adapt(bristle, memory, x, force, p)
     return force
 
 
@@ -60,43 +72,32 @@ def adapted(memory: AdaptiveMemory, p: Friction) -> Friction:
 
 
 @inlined
-def _adapt(memory: Any, x: np.ndarray, force: float, p: Any) -> None:
+def _adapt(
+    bristle: BristleMemory, memory: AdaptiveMemory, x: np.ndarray, force: float, p: Adaptive
+) -> None:
     """Adapt the level of the present direction to the observed friction.
 
     Only while the bristle slides. In presliding F̂ depends on σ₀ and σ₁. Errors in them, and the
     delay of the observed friction at a reversal, would look like an error of the level.
     """
-    v, observed, levels = x[PHI_DOT], x[OBSERVED_FRICTION], memory.parts.adaptive
+    v, observed, friction = x[PHI_DOT], x[OBSERVED_FRICTION], p.joint.friction
     if v == 0.0 or isnan(observed):
         return
     forward = v > 0.0
-    factor = 1.0 + (levels.forward if forward else levels.backward)
-    level = factor * stribeck_level(v, p.friction)
-    if p.friction.sigma0 * memory.bristle * v < SLIDING * level * abs(v):
+    factor = 1.0 + (memory.forward if forward else memory.backward)
+    level = factor * stribeck_level(v, friction)
+    if friction.sigma0 * bristle.z * v < SLIDING * level * abs(v):
         return
     error = (observed - force) / (level if v > 0.0 else -level)
-    factor *= 1.0 - expm1(-(p.parts.adaptive.adaptation_gain * p.sample_time)) * error
+    factor *= 1.0 - expm1(-(p.rate * p.joint.sample_time)) * error
     adapted_to = min(max(factor, 1.0 / LARGEST_FACTOR), LARGEST_FACTOR) - 1.0
     if forward:
-        levels.forward = adapted_to
+        memory.forward = adapted_to
     else:
-        levels.backward = adapted_to
+        memory.backward = adapted_to
 
 
 def at_limit(memory: np.ndarray) -> bool:
     """Whether a level has adapted as far as it may: the friction is not as the parameters say."""
     factors = 1.0 + np.array((memory["forward"], memory["backward"]))
     return bool(np.any((factors <= 1.0 / LARGEST_FACTOR) | (factors >= LARGEST_FACTOR)))
-
-
-PART = Compensator(
-    "adaptive",
-    "LuGre observer with levels that follow the observed friction",
-    estimate,
-    needs_observed_friction=True,
-    runs_observer=True,
-    largest_factor=LARGEST_FACTOR,
-    parameters=AdaptiveParameters,
-    inline=True,
-    memory=AdaptiveMemory,
-)

@@ -10,34 +10,38 @@ v = 0 the correction would move ẑ without limit. ẑ is therefore limited like
 σ₀|ẑ| ≤ max g, and F̂ to the highest friction that the parameters allow at that speed.
 """
 
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
-from furuta_friction.compensator import Compensator
+from furuta_friction.compensator import Joint
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import bristle_after, bristle_rate, highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI, PHI_DOT
 
 
+@dataclass
+class BristleMemory:
+    """Deflection ẑ of the bristle [rad]."""
+
+    z: float = 0.0
+
+
 @inlined
-def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
+def estimate(memory: BristleMemory, x: np.ndarray, p: Joint) -> float:
     """F̂ [V] with the friction parameters as they are."""
     return observe(memory, x, p.friction, p)
 
 
 @inlined
-def observe(memory: Any, x: np.ndarray, p: Friction, design: Any) -> float:
+def observe(memory: BristleMemory, x: np.ndarray, p: Friction, joint: Joint) -> float:
     """Move ẑ by one sample and return F̂ [V], with the friction parameters ``p``."""
-    v, correction = x[PHI_DOT], -design.observer_gain * x[PHI]
-    z, _ = bristle_after(v, correction, memory.bristle, design.sample_time, p)
+    v, correction = x[PHI_DOT], -joint.observer_gain * x[PHI]
+    z, _ = bristle_after(v, correction, memory.z, joint.sample_time, p)
     highest = highest_level(p)
     limit = highest / p.sigma0
     z = min(max(z, -limit), limit)
-    memory.bristle = z
+    memory.z = z
     force = p.sigma0 * z + p.sigma1 * (bristle_rate(v, z, p) + correction)
     return min(max(force, -highest), highest) + p.viscous * v
-
-
-PART = Compensator("lugre", "LuGre observer, eq. (9)", estimate, runs_observer=True)

@@ -13,15 +13,16 @@ IEEE Trans. Industrial Electronics 63, 2016). The levels start at zero and no fr
 
 from dataclasses import dataclass
 from math import expm1, isnan
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction.compensator import Compensator
+from furuta_friction.compensator import Joint
 from furuta_friction.compensators.adaptive import LARGEST_FACTOR
 from furuta_model.compiled import inlined
 from furuta_model.elementary import tanh
 from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import About
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
@@ -58,33 +59,27 @@ class CombinedParameters(NamedTuple):
 class Combined(NamedTuple):
     """The sampled compensator: shares of a new value in the rest and in a level."""
 
+    friction: Friction
     filter_share: float
     level_share: float
     reversal_speed: float
 
 
-def design(parameters: Any) -> Combined:
-    """The compensator for the sample time of the node."""
-    p, dt = parameters.parts.combined, parameters.sample_time
+def design(joint: Joint, p: CombinedParameters) -> Combined:
+    """The compensator for the sample time of a joint."""
+    dt = joint.sample_time
     share = -expm1(-dt / p.filter_time) if p.filter_time > 0.0 else 1.0
-    return Combined(share, -expm1(-dt * p.level_rate), p.reversal_speed)
+    return Combined(joint.friction, share, -expm1(-dt * p.level_rate), p.reversal_speed)
 
 
 @inlined
-def reset(memory: Any) -> None:
-    """Forget the rest; the learned levels are kept."""
-    memory.parts.combined.rest = 0.0
-
-
-@inlined
-def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
+def estimate(memory: CombinedMemory, x: np.ndarray, p: Combined) -> float:
     """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
     if isnan(x[OBSERVED_FRICTION]):
         return 0.0
     v, viscous = x[PHI_DOT], p.friction.viscous * x[PHI_DOT]
     limit = LARGEST_FACTOR * highest_level(p.friction)
-    observed, levels = x[OBSERVED_FRICTION] - viscous, memory.parts.combined
-    return _dry_friction(levels, v, observed, limit, p.parts.combined) + viscous
+    return _dry_friction(memory, v, x[OBSERVED_FRICTION] - viscous, limit, p) + viscous
 
 
 @inlined
@@ -105,16 +100,3 @@ def _dry_friction(
     rest = memory.rest + p.filter_share * (observed - model - memory.rest)
     memory.rest = min(max(rest, -limit), limit)
     return min(max(model + memory.rest, -limit), limit)
-
-
-PART = Compensator(
-    "combined",
-    "learned level for each direction plus the filtered rest of the observed friction",
-    estimate,
-    needs_observed_friction=True,
-    largest_factor=LARGEST_FACTOR,
-    parameters=CombinedParameters,
-    memory=CombinedMemory,
-    design=design,
-    reset=reset,
-)

@@ -4,11 +4,10 @@ The estimator's ``friction_process_noise`` sets its bandwidth.
 """
 
 from math import isnan
-from typing import Any
 
 import numpy as np
 
-from furuta_friction.compensator import Compensator
+from furuta_friction.compensator import Joint
 from furuta_friction.compensators.adaptive import LARGEST_FACTOR
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
@@ -16,17 +15,8 @@ from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
 
 @inlined
-def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
+def estimate(x: np.ndarray, p: Joint) -> float:
     """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
     observed, viscous = x[OBSERVED_FRICTION], p.friction.viscous * x[PHI_DOT]
     limit = LARGEST_FACTOR * highest_level(p.friction)
     return 0.0 if isnan(observed) else min(max(observed - viscous, -limit), limit) + viscous
-
-
-PART = Compensator(
-    "disturbance_observer",
-    "observed friction",
-    estimate,
-    needs_observed_friction=True,
-    largest_factor=LARGEST_FACTOR,
-)

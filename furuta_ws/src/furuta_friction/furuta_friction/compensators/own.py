@@ -1,13 +1,14 @@
 """A compensator of the user's own: a function F̂ = f(memory, x, p), called by its address."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from furuta_friction.compensators.adaptive import Adaptive
 from furuta_model.compiled import inlined
 from furuta_model.friction.levels import copied
 from furuta_model.friction.parameters import Friction
-from furuta_model.own_functions import begin_own, call_own
+from furuta_model.own_functions import OwnMemory, begin_own, call_own
 
 
 class OwnCompensation(NamedTuple):
@@ -20,9 +21,9 @@ class OwnCompensation(NamedTuple):
 
 
 @inlined
-def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
+def estimate(memory: OwnMemory, x: np.ndarray, function: int, p: Adaptive) -> float:
     """F̂ [V] for the state estimate ``x`` (5,)."""
-    rate = p.parts.adaptive.adaptation_gain
-    given = OwnCompensation(copied(p.friction), p.observer_gain, rate, p.sample_time)
-    begin_own(memory.own, p.function)
-    return call_own(p.function, (memory.own.numbers, x, given))
+    joint = p.joint
+    given = OwnCompensation(copied(joint.friction), joint.observer_gain, p.rate, joint.sample_time)
+    begin_own(memory, function)
+    return call_own(function, (memory.numbers, x, given))

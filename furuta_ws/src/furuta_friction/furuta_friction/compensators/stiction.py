@@ -5,11 +5,10 @@ level α₀ + α₁.
 """
 
 from math import isnan
-from typing import Any
 
 import numpy as np
 
-from furuta_friction.compensator import Compensator
+from furuta_friction.compensator import Joint
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import inlined
 from furuta_model.friction.levels import direction_factor
@@ -18,11 +17,11 @@ from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
 
 @inlined
-def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
+def estimate(x: np.ndarray, p: Joint) -> float:
     """F̂ [V]; 0 at rest if the observed friction is NaN."""
     observed = x[OBSERVED_FRICTION]
     if abs(x[PHI_DOT]) > p.friction.stribeck_velocity:
-        return coulomb.estimate(memory, x, p)
+        return coulomb.estimate(x, p)
     if isnan(observed):
         return 0.0
     level = breakaway(p.friction)
@@ -31,11 +30,3 @@ def estimate(memory: Any, x: np.ndarray, p: Any) -> float:
         level * direction_factor(1.0, p.friction),
     )
     return min(max(observed, -backward), forward)
-
-
-PART = Compensator(
-    "stiction",
-    "Coulomb level while sliding, observed friction at rest",
-    estimate,
-    needs_observed_friction=True,
-)

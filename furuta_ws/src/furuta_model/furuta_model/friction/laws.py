@@ -21,13 +21,14 @@ from typing import Annotated, Any, NamedTuple
 
 import numba
 
+from furuta_model.accepted_parts import accepted_part
 from furuta_model.compiled import by_kind, inlined
 from furuta_model.friction.bristle import force, stretched
 from furuta_model.friction.law import Law
 from furuta_model.friction.levels import copied, direction_factor
 from furuta_model.friction.names import ANALYSED_LAWS, LAWS
 from furuta_model.friction.parameters import Friction
-from furuta_model.own_functions import address_of, call_own, own_part
+from furuta_model.own_functions import address_of, call_own, own_function
 from furuta_model.parameters import SELECTS, ParameterError
 from furuta_model.registry import parts_in
 
@@ -94,7 +95,8 @@ def find_law(name: str) -> Law:
     """The law with this name, one of :data:`LAWS` or an own one (``module:function``)."""
     if name in LAWS:
         return ALL[LAWS.index(name)]
-    law = own_part(name, Law)
+    part = accepted_part(name)
+    law = part._replace(name=name) if isinstance(part, Law) else Law(name, own_function(name))
     _own_laws[_addresses(law)] = law
     return law
 

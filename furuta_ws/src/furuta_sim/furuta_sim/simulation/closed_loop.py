@@ -33,6 +33,7 @@ from furuta_sim.simulation.control_system import (
     ControlSystem,
     control_sample,
     design_control_system,
+    that_stays,
 )
 
 
@@ -173,7 +174,9 @@ class Simulation:
 
 def simulate(loop: Loop, seconds: float) -> Record:
     """Run the loop for ``seconds`` from the plant's initial state and keep its series."""
-    return Simulation(loop).run(seconds)
+    simulation = Simulation(loop)
+    simulation.control_system = that_stays(simulation.control_system)
+    return simulation.run(seconds)
 
 
 def _empty_record(sample_time: float, samples: int) -> Record:
