@@ -1,9 +1,9 @@
 """Random closed loops of every kind that runs in lanes, and random servo axes."""
 
 import numpy as np
+from part_parameters import controller
 
 from furuta.axis.axis import Axis, Pid
-from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.converter import Actuator
@@ -41,7 +41,7 @@ def random_loop(
         initial=start,
         seed=int(r.integers(2**40)),
     )
-    control = ControllerParameters(
+    control = controller(
         integral_time=float(r.choice([0.0, 5.0])),
         super_twisting=float(r.choice([0.0, 2.0])),
         strength=float(r.choice([1.0, 0.3])),

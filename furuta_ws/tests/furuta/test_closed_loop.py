@@ -12,7 +12,7 @@ from furuta.loops import load_rig, make_loop
 from furuta.oscillation import measure_oscillation
 from furuta.outcomes import SENSORS_SECONDS, outcome, sensors_alone
 from furuta_control.estimation import EstimatorParameters
-from furuta_control.estimators.kalman import sample_kalman
+from furuta_control.estimators import kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.protocol.frames import SensorsFrame
@@ -105,7 +105,7 @@ def counting_loop(loop: Loop, bandwidth: float) -> float:
     viscous = plant.friction.parameters.viscous
     a, b = linearize(plant.model, viscous)
     ad, bd, *_ = cont2discrete((a, b[:, None], np.eye(4), 0), dt)
-    step = sample_kalman(loop.estimator.rig, loop.estimator.parts.kalman)
+    step = kalman.design(loop.estimator.rig, loop.estimator.kalman).step
     gain = np.array(loop.controller.feedback_gain)
     arm = 2 * np.pi / plant.sensors.encoder_counts
     pendulum = 2 * plant.sensors.potentiometer_range / 2**plant.sensors.potentiometer_bits
@@ -156,7 +156,7 @@ def test_coarse_sensors_let_the_pendulum_fall() -> None:
 def test_poles_and_process_noise_of_the_qube() -> None:
     """Its file sets both. They leave little motion without friction and with sticking friction."""
     qube = make_loop({"compensation": "recommended"}, rig="qube_servo_2")
-    noise = qube.estimator.parts.kalman
+    noise = qube.estimator.kalman
     assert (noise.friction_process_noise, noise.pendulum_process_noise) == (1.0, 0.3)
     assert sensors_alone(qube) < 0.025
     for level in (0.06, 0.2, 0.6):

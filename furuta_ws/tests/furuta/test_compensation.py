@@ -4,6 +4,7 @@ from math import pi, sin
 
 import numpy as np
 import pytest
+from part_parameters import largest_estimate
 
 from furuta import tune
 from furuta.lanes.batch import batch
@@ -11,8 +12,6 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import (
     COMPENSATIONS,
     ObserverParameters,
-    design_compensator,
-    largest_estimate,
 )
 from furuta_model.friction.parameters import Friction
 from furuta_model.sensors import Sensors
@@ -94,9 +93,8 @@ def test_hard_conditions(kind: str) -> None:
             )
         )
         run = simulation.run(30.0)
-        compensator = design_compensator(observer)
         speeds = np.nan_to_num(run.estimate[:, 1])
-        bounds = [largest_estimate(v, compensator) for v in speeds]
+        bounds = [largest_estimate(v, observer) for v in speeds]
         assert not np.any(np.isinf(run.estimate))
         assert np.all(np.isfinite(run.command))
         assert np.all(np.isfinite(run.state))
@@ -109,6 +107,6 @@ def test_switching_on_the_rig() -> None:
     for kind in (*COMPENSATIONS, *COMPENSATIONS[::-1]):
         simulation.loop = simulation.loop._replace(observer=ObserverParameters(kind))
         run = simulation.run(5.0)
-        compensator = design_compensator(ObserverParameters(kind))
-        assert abs(run.friction_estimate[0]) <= largest_estimate(run.estimate[0, 1], compensator)
+        largest = largest_estimate(run.estimate[0, 1], ObserverParameters(kind))
+        assert abs(run.friction_estimate[0]) <= largest
         assert np.max(np.abs(run.state[:, 2])) < 0.1

@@ -99,7 +99,7 @@ class DangerousRig(SimulatedLoop):
     def watch(self, seconds: float) -> np.ndarray:
         """The rig's estimates, or those of an arm or pendulum that runs away."""
         estimates = super().watch(seconds)
-        if self._dangerous(self.applied[-1].controller.strength):
+        if self._dangerous(self.applied[-1].controller.balance.strength):
             estimates[:, self._angle] = np.linspace(0.0, 5.0, len(estimates))
         return estimates
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from part_parameters import controller
 from scipy.linalg import expm
 
 from furuta_control.control import (
@@ -33,7 +34,7 @@ def memory_of(balancing: bool = True) -> Any:
 
 def command(x: list[float] | np.ndarray, friction: float = 0.0, **parameters: object) -> float:
     """Command u [V] of a controller that balances the pendulum."""
-    feedback = design_controller(ControllerParameters(**{"gain": GAIN} | parameters))
+    feedback = design_controller(controller(**{"gain": GAIN} | parameters))
     return control(memory_of(), np.array(x, dtype=float), friction, feedback)
 
 
@@ -72,7 +73,7 @@ def test_fall_and_catch() -> None:
     assert driven(memory, [[0, 0, side * 0.1, 0]] * 6) == [False] * 5 + [True]
 
 
-CATCHING = ControllerParameters(gain=GAIN, voltage_limit=100.0, catch_time=0.005)
+CATCHING = controller(gain=GAIN, voltage_limit=100.0, catch_time=0.005)
 
 
 def driven(
@@ -129,8 +130,8 @@ def test_new_start_forgets_a_fall() -> None:
 def test_disabled_controller_detects_a_fall() -> None:
     """A pendulum that fell while disabled is not driven when enabled beyond catch_angle."""
     memory = memory_of()
-    disabled = design_controller(ControllerParameters(gain=GAIN, enabled=False))
-    enabled = design_controller(ControllerParameters(gain=GAIN))
+    disabled = design_controller(controller(gain=GAIN, enabled=False))
+    enabled = design_controller(controller(gain=GAIN))
     control(memory, np.array([0, 0, 1.0, 0]), 0.0, disabled)
     assert control(memory, np.array([0, 0, 0.5, 0]), 0.0, enabled) == 0.0
 
@@ -144,7 +145,7 @@ def counting(memory: np.ndarray, x: np.ndarray, friction: float, p: OwnControl) 
 @pytest.mark.parametrize("mode", ["balance", "own"])
 def test_nothing_is_integrated_while_disabled(mode: str) -> None:
     """Once enabled, the first command is that of a controller that starts."""
-    p = ControllerParameters(
+    p = controller(
         mode=part_name(counting) if mode == "own" else mode,
         gain=GAIN,
         integral_time=0.5,
@@ -160,7 +161,7 @@ def test_nothing_is_integrated_while_disabled(mode: str) -> None:
 
 def excited(x: list[float], samples: int, **parameters: object) -> np.ndarray:
     """The excitation added to the command, sample by sample."""
-    plain = ControllerParameters(gain=GAIN, voltage_limit=1e3)
+    plain = controller(gain=GAIN, voltage_limit=1e3)
     p = plain._replace(excitation=ExcitationParameters(**parameters))
     memory, state = memory_of(), np.array(x)
     without = control(memory_of(), state, 0.1, design_controller(plain))
@@ -183,8 +184,8 @@ def test_excitation_is_zero_outside_its_limits(outside: tuple[int, float]) -> No
     excitation = ExcitationParameters(
         "steps", 0.5, period=0.004, tilt_limit=0.1, excursion_limit=0.5, speed_limit=3.0
     )
-    feedback = design_controller(ControllerParameters(gain=GAIN, excitation=excitation))
-    plain = design_controller(ControllerParameters(gain=GAIN))
+    feedback = design_controller(controller(gain=GAIN, excitation=excitation))
+    plain = design_controller(controller(gain=GAIN))
     memory, inside, beyond = memory_of(), np.zeros(4), np.zeros(4)
     beyond[outside[0]] = outside[1]
     states = [inside, beyond, beyond, beyond, inside, inside, inside]
@@ -197,9 +198,7 @@ def test_excitation_is_zero_outside_its_limits(outside: tuple[int, float]) -> No
 def test_open_loop_drives_a_hanging_pendulum() -> None:
     """The signal alone at any pendulum angle, within its limits, and only while enabled."""
     excitation = ExcitationParameters("steps", 0.5, speed_limit=3.0)
-    feedback = design_controller(
-        ControllerParameters(mode="open_loop", gain=GAIN, excitation=excitation)
-    )
+    feedback = design_controller(controller(mode="open_loop", gain=GAIN, excitation=excitation))
     hanging, fast = np.array([0.5, 1.0, np.pi, 2.0]), np.array([0.0, 3.1, np.pi, 0.0])
     assert control(memory_of(False), hanging, 0.2, feedback) == 0.5
     assert control(memory_of(False), fast, 0.2, feedback) == 0.0
@@ -224,7 +223,7 @@ def test_a_far_arm_is_fed_back_as_a_near_one() -> None:
 
 def test_integral_action() -> None:
     """A constant error adds L₁ error t/T, limited as the error is. A fall clears it."""
-    p = ControllerParameters(gain=GAIN, integral_time=0.5, arm_error_limit=0.7)
+    p = controller(gain=GAIN, integral_time=0.5, arm_error_limit=0.7)
     memory, design = memory_of(), design_controller(p)
     resting = np.array([0.2, 0, 0, 0])
     series = [control(memory, resting, 0.0, design) for _ in range(4000)]
@@ -238,8 +237,8 @@ def test_integral_action() -> None:
 def test_super_twisting_is_homogeneous(friction: float) -> None:
     """The strength k gives k v(s/k) from the law, and the gain kC gives the same v."""
     k, random = 0.3, np.random.default_rng(4)
-    of_strength = ControllerParameters(super_twisting=10.0, strength=k)
-    of_gain = ControllerParameters(super_twisting=10.0 * k)
+    of_strength = controller(super_twisting=10.0, strength=k)
+    of_gain = controller(super_twisting=10.0 * k)
     memories, designs = (memory_of(), memory_of()), map(design_controller, (of_strength, of_gain))
     first, second = zip(memories, designs, strict=True)
     for x in random.normal(0.0, 0.02, (300, 4)):
@@ -249,9 +248,8 @@ def test_super_twisting_is_homogeneous(friction: float) -> None:
 
 def test_the_lowest_bandwidth_is_no_correction() -> None:
     """It is a number like any other, whose square has no reciprocal."""
-    p = ControllerParameters(super_twisting=10.0)
-    lowest = p._replace(super_twisting_bandwidth=5e-227)
-    none = p._replace(super_twisting=0.0)
+    lowest = controller(super_twisting=10.0, super_twisting_bandwidth=5e-227)
+    none = controller()
     x = np.array([0.0, 0.1, 0.0, 0.0])
     u, without = (control(memory_of(), x, 0.0, design_controller(each)) for each in (lowest, none))
     assert u == without
@@ -259,13 +257,13 @@ def test_the_lowest_bandwidth_is_no_correction() -> None:
 
 def test_strength_changes_without_a_jump() -> None:
     """From the first sample it is the parameter; a change takes time, and 0 is no compensation."""
-    p = ControllerParameters(super_twisting=10.0, super_twisting_bandwidth=80.0, strength=2.0)
+    p = controller(super_twisting=10.0, super_twisting_bandwidth=80.0, strength=2.0)
     x = np.array([0.0, 0.1, 0.0, 0.0])
-    none = control(memory_of(), x, 0.0, design_controller(ControllerParameters()))
+    none = control(memory_of(), x, 0.0, design_controller(controller()))
     memory, design = memory_of(), design_controller(p)
     before = [control(memory, x, 0.2, design) for _ in range(300)][-1]
     assert control(memory_of(), x, 0.2, design) == pytest.approx(none + 0.4, abs=0.02)
-    design = design_controller(p._replace(strength=0.0))
+    design = design_controller(p._replace(balance=p.balance._replace(strength=0.0)))
     series = np.array([before, *(control(memory, x, 0.2, design) for _ in range(1500))])
     assert np.max(np.abs(np.diff(series))) < 0.02 * abs(before - none)
     assert series[-1] == pytest.approx(none, abs=1e-6)
@@ -274,7 +272,7 @@ def test_strength_changes_without_a_jump() -> None:
 def test_super_twisting_finds_a_constant_friction() -> None:
     """On the linear model with exact states it becomes the friction within a second."""
     friction = -0.2
-    p = ControllerParameters(super_twisting=10.0)
+    p = controller(super_twisting=10.0)
     memory, design = memory_of(), design_controller(p)
     a, b = linearize(FurutaPendulum())
     step = expm(np.block([[a, b[:, None]], [np.zeros((1, 5))]]) * p.sample_time)

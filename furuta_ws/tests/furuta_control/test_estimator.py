@@ -5,7 +5,7 @@ import pytest
 from estimator_steps import EstimatorSteps, estimates
 from scipy.signal import StateSpace, lsim
 
-from furuta_control.estimation import EstimatorParameters, MethodParameters
+from furuta_control.estimation import EstimatorParameters
 from furuta_control.estimators.lowpass import LowpassParameters
 from furuta_model.sensors import Sensors
 
@@ -27,8 +27,8 @@ def test_filter_agrees_with_scipy(bandwidth: float, damping: float, dt: float) -
     theta = np.cumsum(np.random.default_rng(10).normal(0, 0.01, 300)) + 0.3
     time = np.arange(300) * dt
     _, expected, _ = lsim(system, theta, time, X0=[theta[0], 0.0], interp=True)
-    parts = MethodParameters(lowpass=LowpassParameters(bandwidth, damping))
-    p = EstimatorParameters("lowpass", parts=parts, sample_time=dt)
+    lowpass = LowpassParameters(bandwidth, damping)
+    p = EstimatorParameters("lowpass", lowpass=lowpass, sample_time=dt)
     found = estimates(of_theta(theta), p)[0][:, 2:]
     assert found[:, 0] == pytest.approx(expected[:, 0], abs=1e-9)
     assert found[:, 1] == pytest.approx(expected[:, 1], rel=1e-7, abs=1e-7 * np.ptp(theta) / dt)

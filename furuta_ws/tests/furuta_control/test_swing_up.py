@@ -1,7 +1,6 @@
 """Mode ``swing_up``: limits of the arm, energy, hand-overs and giving up."""
 
 from math import pi
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from furuta_control.control import (
     ACTIVE_MODES,
     ControllerMemory,
     ControllerParameters,
-    ModeParameters,
     active_mode,
     control,
     design_controller,
@@ -75,18 +73,17 @@ def test_swings_up_and_balances_within_the_limits(theta: float) -> None:
     assert rig.upright
     assert rig.modes[:2] == ["brake", "swing_up"]
     assert rig.modes[-2:] == ["catch", "balance"]
-    limits = (PARAMETERS.arm_angle_limit, PARAMETERS.arm_speed_limit, PARAMETERS.voltage_limit)
+    limits = (
+        PARAMETERS.balance.arm_angle_limit,
+        PARAMETERS.balance.arm_speed_limit,
+        PARAMETERS.voltage_limit,
+    )
     assert np.all(rig.largest <= limits)
-
-
-def recovering(recover: bool) -> Any:
-    """The parameters of the mode."""
-    return ModeParameters(swing_up=SwingUpParameters(recover))
 
 
 def fallen(recover: bool) -> Rig:
     """A rig that has been pushed over while it balanced."""
-    rig = Rig([0.0, 0.0, 0.05, 0.0], PARAMETERS._replace(parts=recovering(recover)))
+    rig = Rig([0.0, 0.0, 0.05, 0.0], PARAMETERS._replace(swing_up=SwingUpParameters(recover)))
     rig.run(1.0)
     assert rig.modes[-1] == "balance"
     rig.x[3] = 6.0
@@ -107,10 +104,10 @@ def test_recovers_only_if_it_may() -> None:
 
 def test_an_arm_beyond_its_travel_ends_the_swing_up() -> None:
     """It is braked and left at 0 V, also with ``recover``."""
-    rig = Rig([6.5, 0.0, -pi, 0.0], PARAMETERS._replace(parts=recovering(True)))
+    rig = Rig([6.5, 0.0, -pi, 0.0], PARAMETERS._replace(swing_up=SwingUpParameters(recover=True)))
     rig.run(1.0)
-    assert rig.memory["parts"]["swing_up"]["beyond"]
-    assert not rig.memory["parts"]["swing_up"]["caught"]
+    assert rig.memory["swing_up"]["beyond"]
+    assert not rig.memory["swing_up"]["caught"]
     assert rig.modes[-1] == "off"
 
 

@@ -23,10 +23,14 @@ def test_upright_it_is_the_stationary_filter() -> None:
     """For small motions one step is that of the Kalman filter for the linear model."""
     p = EstimatorParameters(method="whole_circle", sensors=SENSORS)
     reading, estimates = 1e-4 * np.array((0.3, 1.2, -0.5, np.nan, 3.0)), []
-    for method in (kalman, whole_circle):
+    design = design_estimator(p)
+    for update, of_method in (
+        (kalman.update, design.kalman),
+        (whole_circle.update, design.whole_circle),
+    ):
         memory = new_memory(EstimatorMemory)[0]
         memory["estimate"] = 1e-4 * np.array((0.3, 1.0, -0.4, 0.8, 2.0))
-        method.update(memory, reading, design_estimator(p))
+        update(memory["estimate"], reading, of_method)
         estimates.append(memory["estimate"])
     linear, nonlinear = estimates
     np.testing.assert_allclose(nonlinear, linear, rtol=1e-3, atol=1e-9)

@@ -93,11 +93,12 @@ def test_what_one_node_has_taken_is_restored(ros: None) -> None:
     node = Node("tuner")
     rig = TuningClient(services, EstimateBuffer(node), executor_of([node]))
     start = rig.compensation
+    weaker = start.controller.balance._replace(strength=0.5)
     with pytest.raises(ServiceError):
         rig.apply(
             Compensation(
                 start.observer._replace(compensation="lugre"),
-                start.controller._replace(strength=0.5),
+                start.controller._replace(balance=weaker),
             )
         )
     assert services.held[FRICTION_OBSERVER]["compensation"] == "lugre"

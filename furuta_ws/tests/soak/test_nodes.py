@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule
+from part_parameters import largest_estimate
 from rclpy.exceptions import ParameterNotDeclaredException
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
@@ -23,7 +24,6 @@ from testbench import joint_state
 
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
-from furuta_friction.compensation import design_compensator, largest_estimate
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import Declared, declared, values
 from furuta_sim.simulation.closed_loop import Loop, simulate
@@ -157,7 +157,7 @@ class Nodes(RuleBasedStateMachine):
                 self.give(topic, Float64(data=0.1) if "friction" in topic else message, False)
             if self.kind is FrictionObserverNode:
                 v = float(message.velocity[0])
-                limit = largest_estimate(v, design_compensator(self.parameters.observer))
+                limit = largest_estimate(v, self.parameters.observer)
                 assert abs(self.node.published[0][0]) <= limit * (1.0 + 1e-9)
 
     @rule(
