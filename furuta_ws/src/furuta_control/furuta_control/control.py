@@ -197,7 +197,7 @@ def _driven(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
         return swing_up.command(memory.swing_up, memory.balance, x, friction, p.swing_up)
     if p.mode == OFF:
         return np.nan
-    g, reference = p.balance.gain, p.balance.limits.arm_reference
+    g, reference = p.balance.gain, p.balance.parameters.arm_reference
     given = OwnControl(g.l1, g.l2, g.l3, g.l4, reference, p.voltage_limit, p.sample_time)
     return own.command(memory.own, x, friction, p.function, given)
 

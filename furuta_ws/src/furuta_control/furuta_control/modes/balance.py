@@ -132,7 +132,7 @@ class Balance(NamedTuple):
     """
 
     gain: Gain
-    limits: BalanceParameters
+    parameters: BalanceParameters
     catch_samples: int
     integral_share: Annotated[float, OFF_AT_ZERO]
     strength_share: float
@@ -146,7 +146,7 @@ def design(rig: ControlledRig, p: BalanceParameters) -> Balance:
     dt = rig.sample_time
     return Balance(
         gain=rig.gain,
-        limits=p,
+        parameters=p,
         catch_samples=ceil(p.catch_time / dt),
         integral_share=dt / p.integral_time if p.integral_time > 0.0 else 0.0,
         strength_share=-expm1(-dt / STRENGTH_TIME),
@@ -174,8 +174,8 @@ def balances(memory: BalanceMemory, x: np.ndarray, p: Balance) -> bool:
     if not is_allowed(x, p):
         leave(memory)
         return False
-    if not memory.balancing and abs(x[THETA]) <= p.limits.catch_angle:
-        slow = abs(x[THETA_DOT]) <= p.limits.catch_speed
+    if not memory.balancing and abs(x[THETA]) <= p.parameters.catch_angle:
+        slow = abs(x[THETA_DOT]) <= p.parameters.catch_speed
         memory.ready = memory.ready + 1 if slow else 0
         if not memory.fallen or memory.ready > p.catch_samples:
             begin(memory)
@@ -189,9 +189,9 @@ def is_allowed(x: np.ndarray, p: Balance) -> bool:
     """Whether the state is known and within the limits."""
     # A comparison with NaN is false.
     return (
-        (abs(x[THETA]) <= p.limits.fall_angle)
-        & (abs(x[PHI]) <= p.limits.arm_angle_limit)
-        & (abs(x[PHI_DOT]) <= p.limits.arm_speed_limit)
+        (abs(x[THETA]) <= p.parameters.fall_angle)
+        & (abs(x[PHI]) <= p.parameters.arm_angle_limit)
+        & (abs(x[PHI_DOT]) <= p.parameters.arm_speed_limit)
         & (not np.isnan(x[THETA_DOT]))
     )
 
@@ -227,16 +227,16 @@ def forget_integrals(memory: BalanceMemory) -> None:
 def scaled(memory: BalanceMemory, friction: float, p: Balance) -> float:
     """The friction estimate [V] times the strength that acts in this sample."""
     if not memory.begun:
-        memory.begun, memory.strength = True, p.limits.strength
-    memory.strength += p.strength_share * (p.limits.strength - memory.strength)
+        memory.begun, memory.strength = True, p.parameters.strength
+    memory.strength += p.strength_share * (p.parameters.strength - memory.strength)
     return memory.strength * friction
 
 
 @inlined
 def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
     """Command u [V], unsaturated, for state estimate ``x`` and :func:`scaled` ``friction`` [V]."""
-    limit = p.limits.arm_error_limit
-    error = min(max(x[PHI] - p.limits.arm_reference, -limit), limit)
+    limit = p.parameters.arm_error_limit
+    error = min(max(x[PHI] - p.parameters.arm_reference, -limit), limit)
     u = fed_back(friction, error, x, p.gain)
     if p.integral_share > 0.0:
         integral = memory.integral + p.integral_share * error

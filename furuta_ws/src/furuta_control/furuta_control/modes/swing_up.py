@@ -98,7 +98,7 @@ def design(
     ``keeps_gain``, it balances with the gain with which it catches, not with that of the mode
     ``balance``: poles that suit one rig let another one fall.
     """
-    of_arm = balancing.limits
+    of_arm = balancing.parameters
     limits = arm_limits.design(rig, of_arm.arm_angle_limit, of_arm.arm_speed_limit)
     regulator = Catching()
     if is_chosen:
@@ -210,7 +210,7 @@ def _is_lost(phase: int, balancing: BalanceMemory, x: np.ndarray, p: SwingUp) ->
 @inlined
 def _is_near_upright(x: np.ndarray, p: SwingUp) -> bool:
     """Whether the pendulum is upright and slow, with the arm near its reference."""
-    limits = p.balancing.limits
+    limits = p.balancing.parameters
     return (
         abs(x[THETA]) <= limits.catch_angle
         and abs(x[THETA_DOT]) <= limits.catch_speed
