@@ -8,15 +8,9 @@ from typing import Any
 import numpy as np
 from rclpy.parameter import Parameter
 
-from furuta_friction.compensation import (
-    CompensationMemory,
-    beyond_adaptation,
-    design_compensator,
-    estimate_friction,
-    reset,
-)
-from furuta_friction.joint_friction import JointFriction
-from furuta_friction.joint_observer import ARM, ObserverNodeParameters
+from furuta_friction import compensation, joint_observer
+from furuta_friction.compensation import CompensationMemory
+from furuta_friction.joint_observer import ARM, JointMemory, ObserverNodeParameters
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
@@ -34,6 +28,15 @@ CHECK_PERIOD = 5.0
 REFERENCE_AGE = 0.1
 # Part of the sample time by which the mean time between states may differ from it.
 WRONG_RATE = 0.2
+# What the observed friction comes from.
+ARM_NEEDS = (
+    "effort (observed friction) in joint_states; use an estimator that observes it (method kalman)"
+)
+JOINT_NEEDS = "effort in joint_states, and axis.inertia"
+
+# Position, speed, effort, and speed of the reference.
+JointSample = tuple[float, float, float, float]
+NO_SAMPLE: JointSample = (0.0, 0.0, 0.0, 0.0)
 
 
 class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
@@ -51,14 +54,13 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
         self._states, self._checked = 0, NEVER
         self._reference, self._reference_age = nan, 0
         self._publisher = LoopPublisher(self, FRICTION_ESTIMATE)
-        self._of: ArmFriction | JointFriction
-        if self.parameters.joint == ARM:
-            self._of = ArmFriction()
-            self.design_by(self._of.design)
+        self._is_arm = self.parameters.joint == ARM
+        self._memory = new_memory(CompensationMemory if self._is_arm else JointMemory)
+        self._x: Signals | JointSample = NO_SIGNALS if self._is_arm else NO_SAMPLE
+        self.design_by(self._design)
+        if self._is_arm:
             self.subscribe_to(JOINT_STATES, self.on_state)
         else:
-            self._of = JointFriction()
-            self.design_by(self._of.design)
             self.subscribe_to(JOINT_STATES, self.on_joint, BEST_EFFORT)
             self.subscribe_to(REFERENCE, self.on_reference, BEST_EFFORT)
             if not self.parameters.axis.inertia:
@@ -67,6 +69,16 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
                     "used, and no friction is observed"
                 )
         self.steady_timer(CHECK_PERIOD, self._check)
+
+    def _design(self, p: ObserverNodeParameters) -> None:
+        """Redesign the observer; its memory is kept."""
+        self._sample_time = p.observer.sample_time * NANOSECONDS
+        step: Any = _arm_step if self._is_arm else _joint_step
+        if self._is_arm:
+            self._observer = block(compensation.design_compensator(p.observer))
+        else:
+            self._observer = block(joint_observer.design_joint(p))
+        self._step = for_types_of(step, self._memory, self._x, self._observer, 0)
 
     def on_state(self, data: bytes) -> None:
         """Estimate the friction of the arm and publish it."""
@@ -93,20 +105,36 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
                 raise RefusedError(f"no velocity of joint {self.parameters.joint}")
             self._reference, self._reference_age = speed, 0
 
-    def _answer(self, stamp: int, x: Any) -> None:
+    def _answer(self, stamp: int, x: Signals | JointSample) -> None:
         if stamp != self._stamp:
-            friction = self._of.estimate(x, stamp - self._stamp)
+            friction = self._step(self._memory, x, self._observer, self._samples(stamp))
             if isnan(friction):
                 raise RefusedError(f"no value may be larger than {LARGEST_VALUE:g}, given {x}")
-            self._stamp, self._friction = stamp, friction
+            self._x, self._stamp, self._friction = x, stamp, friction
         self._publisher.publish(value_bytes(self._friction), stamp)
+
+    def _samples(self, stamp: int) -> int:
+        """Number of samples since the last one; 0 if this one begins anew."""
+        interval = stamp - self._stamp
+        if starts_anew(interval):
+            return 0
+        return 1 if self._is_arm else max(round(interval / self._sample_time), 1)
+
+    def _is_blind(self) -> bool:
+        """Whether the newest state is known, and no friction is observed."""
+        if self._is_arm:
+            *x, observed = self._x
+            return isnan(observed) and not isnan(sum(x))
+        return isnan(self._x[2]) or not self.parameters.axis.inertia
 
     def _check(self) -> None:
         """Warn if the compensation cannot do what is asked of it."""
         chosen, log = self.parameters.observer.chosen, self.get_logger()
-        if chosen.needs_observed_friction and self._of.is_blind():
-            log.warning(f"compensation {chosen.name} needs {self._of.NEEDS}")
-        if beyond_adaptation(self._of.compensation, self.parameters.observer):
+        if chosen.needs_observed_friction and self._is_blind():
+            needs = ARM_NEEDS if self._is_arm else JOINT_NEEDS
+            log.warning(f"compensation {chosen.name} needs {needs}")
+        memory = self._memory if self._is_arm else self._memory["compensation"]
+        if compensation.beyond_adaptation(memory, self.parameters.observer):
             log.warning(
                 "compensation adaptive: a level is at its limit, a third or three times what "
                 "alpha0 and alpha1 say; the friction is not as the parameters describe it"
@@ -126,48 +154,30 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
             )
 
 
-class ArmFriction:
-    """Friction of the pendulum's arm, from the estimate of its state."""
-
-    NEEDS = (
-        "effort (observed friction) in joint_states; use an estimator that observes it (method "
-        "kalman)"
-    )
-
-    def __init__(self) -> None:
-        self._memory = new_memory(CompensationMemory)
-        self._x = NO_SIGNALS
-
-    @property
-    def compensation(self) -> np.ndarray:
-        """The memory of the compensators."""
-        return self._memory
-
-    def design(self, parameters: ObserverNodeParameters) -> None:
-        """Switch to the compensator that the parameters describe; the memory is kept."""
-        self._compensator = block(design_compensator(parameters.observer))
-        self._step = for_types_of(_step, self._memory, NO_SIGNALS, self._compensator, False)
-
-    def estimate(self, x: Signals, interval: int) -> float:
-        """F̂ [V] for the state ``x`` (5,) an ``interval`` [ns] after the last; NaN if impossible."""
-        self._x = x
-        return self._step(self._memory, x, self._compensator, starts_anew(interval))
-
-    def is_blind(self) -> bool:
-        """Whether the newest state is known, and without its observed friction."""
-        *x, observed = self._x
-        return isnan(observed) and not isnan(sum(x))
-
-
 @compiled
-def _step(memory: np.ndarray, state: Signals, compensator: np.ndarray, anew: bool) -> float:
-    """F̂ [V]; NaN, without a step, if a number is impossible."""
+def _arm_step(memory: np.ndarray, state: Signals, design: np.ndarray, samples: int) -> float:
+    """F̂ [V] of the arm, anew if ``samples`` is 0; NaN if a number is impossible."""
     x = np.array(state)
     if not is_possible(x):
         return np.nan
-    if anew:
-        reset(memory[0])
-    return estimate_friction(memory[0], x, compensator[0])
+    if samples == 0:
+        compensation.reset(memory[0])
+    return compensation.estimate_friction(memory[0], x, design[0])
+
+
+@compiled
+def _joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: int) -> float:
+    """F̂ of a joint, ``samples`` after the last one, anew if that is 0; NaN if impossible."""
+    if not is_possible(np.array(x)):
+        return np.nan
+    if samples == 0:
+        joint_observer.reset(memory[0])
+    for _ in range(samples - 1):
+        joint_observer.predict(memory[0], design[0])
+    position, speed, effort, reference_speed = x
+    return joint_observer.joint_friction(
+        memory[0], position, speed, effort, reference_speed, design[0]
+    )
 
 
 def main() -> None:
