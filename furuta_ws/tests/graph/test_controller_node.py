@@ -12,7 +12,7 @@ from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_control.control import POLE_PLACEMENT
 from furuta_control.controller_node import ControllerNode
-from furuta_control.modes import swing_up
+from furuta_control.modes import mode
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros import node
@@ -155,10 +155,10 @@ def test_a_reset_brings_swing_up_back_without_observer(loop: Loop, in_real_time:
     loop.node.set_parameters([Parameter("mode", value="swing_up")])
     for k in range(1, 40):
         loop.state(k, (7.0, 0.0, 3.0, 0.0))
-    assert loop.node._active_mode == swing_up.OFF
+    assert loop.node._active_mode == mode.OFF
     for k in range(1000, 1040):
         loop.state(k, (0.0, 0.0, 3.0, 0.0))
-    assert loop.node._active_mode == swing_up.SWINGING
+    assert loop.node._active_mode == mode.SWINGING
 
 
 def test_gain_and_poles_by_service(loop: Loop) -> None:

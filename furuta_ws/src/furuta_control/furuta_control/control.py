@@ -20,7 +20,7 @@ from furuta_control.excitation import (
     shape,
     within_limits,
 )
-from furuta_control.modes import balance, own, swing_up
+from furuta_control.modes import balance, mode, own, swing_up
 from furuta_control.modes.balance import Balance, BalanceMemory, BalanceParameters
 from furuta_control.modes.mode import ControlledRig, Gain, Mode
 from furuta_control.modes.own import OwnControl
@@ -39,11 +39,11 @@ MODES = (
     Mode("swing_up", "swing the pendulum up from any angle, catch it and balance", feedback=True),
     Mode("off", "0 V"),
 )
-_NAMES = tuple(mode.name for mode in MODES)
-_MEANINGS = "; ".join(f"{mode.name}: {mode.meaning}" for mode in MODES)
+_NAMES = tuple(each.name for each in MODES)
+_MEANINGS = "; ".join(f"{each.name}: {each.meaning}" for each in MODES)
 # What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
 # mode.
-ACTIVE_MODES = tuple(dict.fromkeys((*swing_up.PHASES, *_NAMES, "own")))
+ACTIVE_MODES = tuple(dict.fromkeys((*mode.PHASES, *_NAMES, "own")))
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
 # type of an empty list, and not four zeros, because these are a gain.
 POLE_PLACEMENT = (0.0,)
@@ -142,28 +142,28 @@ class ControllerMemory:
 @designed_once
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe; for another mode only what takes no time."""
-    mode, function = OWN, 0
+    kind, function = OWN, 0
     if p.mode in _NAMES:
-        mode = _NAMES.index(p.mode)
+        kind = _NAMES.index(p.mode)
     else:
         function = sample_function(own_function(p.mode), OwnControl, float64)
     rig = ControlledRig(p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.sample_time)
     balancing = balance.design(rig, p.balance)
     return ControllerDesign(
         enabled=p.enabled,
-        mode=mode,
+        mode=kind,
         function=function,
-        feedback=mode != OWN and MODES[mode].feedback,
-        active=ACTIVE_MODES.index(p.mode if mode != OWN else "own"),
+        feedback=kind != OWN and MODES[kind].feedback,
+        active=ACTIVE_MODES.index(p.mode if kind != OWN else "own"),
         balance=balancing,
         swing_up=swing_up.design(
             rig,
             p.swing_up,
             balancing,
-            is_chosen=mode == SWING_UP,
+            is_chosen=kind == SWING_UP,
             keeps_gain=p.gain != POLE_PLACEMENT,
         ),
-        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=mode == OPEN_LOOP),
+        excitation=design_excitation(p.excitation, p.sample_time, any_tilt=kind == OPEN_LOOP),
         voltage_limit=p.voltage_limit,
         sample_time=p.sample_time,
     )
@@ -212,11 +212,11 @@ def limited(u: float, p: ControllerDesign) -> float:
 def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
     """What the controller does: the index of its name in :data:`ACTIVE_MODES`."""
     if not p.enabled:
-        return swing_up.OFF
+        return mode.OFF
     if p.mode == SWING_UP:
         return memory.swing_up.phase
     if p.mode == BALANCE:
-        return swing_up.BALANCING if memory.balance.balancing else swing_up.OFF
+        return mode.BALANCING if memory.balance.balancing else mode.OFF
     return p.active
 
 

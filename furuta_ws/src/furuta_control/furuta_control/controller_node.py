@@ -18,7 +18,7 @@ from furuta_control.control import (
     forget_integrals,
     reset,
 )
-from furuta_control.modes import swing_up
+from furuta_control.modes import mode
 from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
@@ -67,7 +67,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._is_answered = False
         self._is_applied = True  # whether a rig applies the commands
         self.missed_estimates = 0
-        self._active_mode = swing_up.OFF
+        self._active_mode = mode.OFF
         self.design_by(self._design)
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
         self._publish_mode()
@@ -115,14 +115,14 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def _answer(self, friction: float) -> None:
         """Compute the command for the state and publish it."""
         restarts, is_applied = self._restart_pending, self._is_applied
-        command, mode, is_reduced = self._step(
+        command, active, is_reduced = self._step(
             self._memory, self._x, friction, self._controller, restarts, is_applied
         )
         if isnan(command):
             raise RefusedError(f"no value of x may be larger than {LARGEST_VALUE:g}: {self._x}")
         self._command, self._is_answered, self._restart_pending = command, True, False
-        if mode != self._active_mode:
-            self._active_mode = mode
+        if active != self._active_mode:
+            self._active_mode = active
             self._publish_mode()
         self._publish()
         if is_reduced:

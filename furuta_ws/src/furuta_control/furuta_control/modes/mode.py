@@ -8,6 +8,10 @@ from furuta_model.compiled import inlined
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
+# What a mode does in a sample, and its name for those who watch: the phases of the swing-up.
+OFF, SWINGING, CATCHING, BALANCING, BRAKING = range(5)
+PHASES = ("off", "swing_up", "catch", "balance", "brake")
+
 
 class Gain(NamedTuple):
     """L of u = −Lx [V per unit of state]."""

@@ -27,14 +27,18 @@ from furuta_control.modes.arm_limits import ArmLimits
 from furuta_control.modes.balance import Balance, BalanceMemory
 from furuta_control.modes.catching import Catching
 from furuta_control.modes.energy_shaping import EnergyShaping, EnergyShapingMemory
-from furuta_control.modes.mode import ControlledRig
+from furuta_control.modes.mode import (
+    BALANCING,
+    BRAKING,
+    CATCHING,
+    OFF,
+    SWINGING,
+    ControlledRig,
+)
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import About
 from furuta_model.pendulum import FurutaPendulum, arm_dynamics
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
-
-OFF, SWINGING, CATCHING, BALANCING, BRAKING = range(5)
-PHASES = ("off", "swing_up", "catch", "balance", "brake")
 
 # Time [s] near upright after which balancing takes over from catching.
 SETTLED_TIME = 0.3
@@ -57,7 +61,7 @@ class SwingUpMemory:
     """What the mode remembers.
 
     Attributes:
-        phase: Index in :data:`PHASES`.
+        phase: Index in :data:`furuta_control.modes.mode.PHASES`.
         caught: Whether the pendulum has been balanced.
         beyond: Whether the arm has been beyond its travel.
         samples: Samples near upright, or of the brake.
