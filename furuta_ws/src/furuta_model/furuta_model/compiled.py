@@ -39,6 +39,9 @@ NOTICE = "furuta: compiling; the first run takes up to a minute, later ones star
 # Time of compilation without a notice [s]: a few functions may be new after a change.
 UNNOTICED = 2.0
 
+# Numba adds its options when it is imported.
+_config: Any = numba.config
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
@@ -50,15 +53,14 @@ def compiled(function: Function, cached: bool = True, **options: Any) -> Functio
     functions that call it.
     """
     options = {"nogil": True, "error_model": "numpy", **options}
-    config: Any = numba.config
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = str(_cache_folder(inspect.getfile(function)))
+    previous = _config.CACHE_DIR
+    _config.CACHE_DIR = str(_cache_folder(inspect.getfile(function)))
     try:
         dispatcher: Any = numba.njit(cache=cached, **options)(function)
     finally:
-        config.CACHE_DIR = previous
+        _config.CACHE_DIR = previous
     dispatcher.is_announced = True
-    if not config.DISABLE_JIT:
+    if not _config.DISABLE_JIT:
         unwrapped: Any = numba.njit(**UNWRAPPED, **options)(function)
         unwrapped.is_announced = True
         # numba 0.59 to 0.68 asks a dispatcher for these two when compiled code calls it.
@@ -105,8 +107,7 @@ def for_types_of(function: Function, *arguments: Any) -> Function:
     A compiled function looks at the types of its arguments at every call, which takes most of the
     time of a short one.
     """
-    config: Any = numba.config
-    if config.DISABLE_JIT:
+    if _config.DISABLE_JIT:
         return function
     # Looking at a record's type takes milliseconds, and nodes ask at every change of a parameter.
     key = (function, *map(_kind, arguments))
@@ -134,8 +135,7 @@ def make_intrinsic(
     ``in_python`` does the same if compilation is switched off (NUMBA_DISABLE_JIT). Numba's
     declarations describe an intrinsic as it is written, not as it is called.
     """
-    config: Any = numba.config
-    if config.DISABLE_JIT and in_python is not None:
+    if _config.DISABLE_JIT and in_python is not None:
         return in_python
     return numba.extending.intrinsic(function)
 
