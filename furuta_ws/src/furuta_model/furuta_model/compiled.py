@@ -17,6 +17,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
+from itertools import takewhile
 from multiprocessing import parent_process
 from pathlib import Path
 from time import monotonic
@@ -164,10 +165,13 @@ def _cache_folder(file: str) -> Path:
 
 def _root(file: str) -> Path:
     """The folder of the outermost package around a file, or that of a file in no package."""
-    root = Path(file).parent
-    while (root.parent / "__init__.py").exists():
-        root = root.parent
-    return root
+    folders = Path(file).absolute().parents
+    packages = [*takewhile(_is_package, folders)]
+    return packages[-1] if packages else folders[0]
+
+
+def _is_package(folder: Path) -> bool:
+    return (folder / "__init__.py").exists()
 
 
 @cache
@@ -176,10 +180,9 @@ def _digest(root: Path) -> str:
 
     A folder that is no package may hold anything: only the files in itself count.
     """
-    is_package = (root / "__init__.py").exists()
     content = hashlib.sha256()
     imported: set[bytes] = set()
-    for file in sorted(root.rglob("*.py") if is_package else root.glob("*.py")):
+    for file in sorted(root.rglob("*.py") if _is_package(root) else root.glob("*.py")):
         source = file.read_bytes()
         content.update(f"{file.relative_to(root)} {len(source)} ".encode() + source)
         imported.update(_IMPORT.findall(source))
