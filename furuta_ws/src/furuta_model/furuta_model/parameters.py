@@ -27,18 +27,8 @@ SELECTS = "selects"
 # Mark of a field whose zero means that a part is off; other values are numbers.
 OFF_AT_ZERO = "off at zero"
 LARGEST = sys.float_info.max
-# Bits of an integer that is not printed.
-LARGEST_EXPONENT = 2 * sys.float_info.max_exp
 
-
-class _Short(reprlib.Repr):
-    def repr_int(self, x: int, level: int) -> str:
-        """An integer; of a large one, which Python may refuse to print, only its bits."""
-        large = x.bit_length() > LARGEST_EXPONENT
-        return f"an integer of {x.bit_length()} bits" if large else super().repr_int(x, level)
-
-
-_SHORT = _Short()
+_SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
 _SHORT.maxlist = _SHORT.maxtuple = 8
 
@@ -148,7 +138,10 @@ def names_part(text: str) -> bool:
 
 def shortened(value: Any) -> str:
     """A value as a message shows it: what comes from outside can be millions of characters."""
-    return _SHORT.repr(value)
+    try:
+        return _SHORT.repr(value)
+    except ValueError:  # Python refuses to print thousands of digits
+        return "an integer of too many digits"
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
