@@ -13,8 +13,7 @@ import numpy as np
 from adjustable import numbers_of
 
 import furuta
-from furuta_model.block import marks
-from furuta_model.parameters import SELECTS
+from furuta_model.parameters import SELECTS, fields_of
 from furuta_sim.plant import Plant, design_plant
 from furuta_sim.simulation.closed_loop import Loop
 from furuta_sim.simulation.control_system import ControlSystem, design_control_system
@@ -206,8 +205,7 @@ def design_of(loop: Loop) -> Design:
 
 def _selecting(record: Any, path: str) -> Iterator[str]:
     """Names of the numbers in a record that select what is translated."""
-    kind: Any = type(record)
-    for name, found in marks(kind).items():
+    for name, _, found in fields_of(record):
         value = getattr(record, name)
         if SELECTS in found:
             yield f"{path}_{name}"

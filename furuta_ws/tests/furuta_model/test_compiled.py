@@ -3,15 +3,13 @@
 import os
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from furuta_model.compilation_notice import NOTICE
-from furuta_model.compiled import compiled, for_types_of
+from furuta_model.compiled import KEPT_CACHES, NOTICE, compiled, for_types_of
 
 CONSTANT = "SHIFT = 1.0"
 CALLEE = """
@@ -96,29 +94,63 @@ def caller(x):
 """
 
 
-def test_values_of_other_files_are_part_of_the_key(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_values_of_other_files_are_part_of_the_key(tmp_path: Path) -> None:
     """A tuple in a tuple, a text, an array and a number of a module's module."""
-    monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(sys, "dont_write_bytecode", True)
-    write(tmp_path, caller=TAKER)
 
     def result(shift: float = 0.0, **changed: str) -> float:
-        """What the function gives after an edit of the other files, imported anew."""
+        """What the function gives after an edit of the other files."""
         lines = [f"{name} = {value}" for name, value in (VALUES | changed).items()]
         write(tmp_path, values="\n".join(["import deeper_module", "import numpy as np", *lines]))
         write(tmp_path, deeper=f"SHIFT = {shift}")
-        for name in ("caller", "values", "deeper"):
-            sys.modules.pop(f"{name}_module", None)
-        found: float = import_module("caller_module").caller(3.0)
+        found, hits = run(tmp_path)
+        assert hits == 0
         return found
 
+    write(tmp_path, caller=TAKER)
     assert result() == 11.0
     assert result(TABLE="((1.0, 2.0), (30.0,))") == 38.0
     assert result(NAME="'minus'") == 5.0
     assert result(ARRAY="np.array([[4.0, 50.0]])") == 56.0
     assert result(100.0) == 111.0
+
+
+PACKAGE_CALLER = """
+from furuta_low.deep.callee_module import callee
+from furuta_model.compiled import compiled
+@compiled
+def caller(x):
+    return callee(x)
+"""
+
+
+def test_key_of_a_package_has_the_packages_that_it_imports(tmp_path: Path) -> None:
+    """With all their sources; an edit of a package that it does not import is a hit."""
+    for package in ("furuta_low", "furuta_low/deep", "furuta_high", "furuta_other"):
+        (tmp_path / package).mkdir()
+        (tmp_path / package / "__init__.py").touch()
+    write(tmp_path / "furuta_low" / "deep", callee=CALLEE)
+    write(tmp_path / "furuta_high", caller=PACKAGE_CALLER)
+    script = SCRIPT.replace("caller_module", "furuta_high.caller_module")
+    assert run(tmp_path, script) == (6.0, 0)
+    write(tmp_path / "furuta_other", constant=CONSTANT)
+    assert run(tmp_path, script) == (6.0, 1)
+    write(tmp_path / "furuta_low" / "deep", callee=CALLEE.replace("2.0 * x", "5.0 * x"))
+    assert run(tmp_path, script) == (15.0, 0)
+
+
+def test_old_caches_are_removed(tmp_path: Path) -> None:
+    """Those of the newest contents of a package remain."""
+    cache = tmp_path / "__pycache__" / "furuta"
+    for number in range(KEPT_CACHES + 2):
+        (cache / f"{tmp_path.name}-{number}" / "deep").mkdir(parents=True)
+        os.utime(cache / f"{tmp_path.name}-{number}", (number, number))
+    (cache / "other-0").mkdir()
+    write(tmp_path, constant=CONSTANT, callee=CALLEE, caller=CALLER)
+    assert run(tmp_path) == (7.0, 0)
+    assert run(tmp_path) == (7.0, 1)
+    assert len(list(cache.glob(f"{tmp_path.name}-*"))) == KEPT_CACHES
+    assert (cache / f"{tmp_path.name}-{KEPT_CACHES + 1}").exists()
+    assert (cache / "other-0").exists()
 
 
 @compiled
@@ -152,8 +184,8 @@ def test_order_of_an_arguments_fields(tmp_path: Path) -> None:
 
 
 NOTICED = """
-from furuta_model import compilation_notice
-compilation_notice.UNNOTICED = {}
+import furuta_model.compiled
+furuta_model.compiled.UNNOTICED = {}
 from caller_module import caller
 print(caller(3.0))
 """

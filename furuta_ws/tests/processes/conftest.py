@@ -20,7 +20,7 @@ from furuta_bringup import main
 from furuta_bringup.graph.processes import executable
 from furuta_bringup.graph.services import ATTEMPTS, ServiceCaller
 from furuta_hw.emulator.running_rig import ask
-from furuta_model.compilation_notice import NOTICE
+from furuta_model.compiled import NOTICE
 
 TIMEOUT = 240.0
 WIDTH = "200"  # of the terminal [characters]

@@ -112,6 +112,6 @@ def _found(name: str) -> Any:
         return import_module("importlib.metadata").version(__name__)
     value = getattr(import_module(_MODULE_OF[name]), name)
     if isfunction(value):
-        value = import_module("furuta_model.arguments").checked(value)
+        value = import_module("furuta.arguments").checked(value)
         value.__module__ = __name__  # where pickle finds it
     return value

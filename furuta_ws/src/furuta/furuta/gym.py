@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
+from furuta.arguments import check, checked
 from furuta.loops import make_loop
 from furuta.settings.settings import default_settings
 from furuta.studies.comparison.rigs import JUDGING, TRAINING, RandomRigs
-from furuta_model.arguments import check, checked
 from furuta_model.block import block
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos

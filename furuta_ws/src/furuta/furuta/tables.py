@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from furuta.arguments import check
 from furuta.loops import checked_loop, make_loop, plain_value
 from furuta.motions import check_seconds
-from furuta_model.arguments import check
 from furuta_model.parameters import ParameterError
 from furuta_sim.simulation.closed_loop import Loop
 

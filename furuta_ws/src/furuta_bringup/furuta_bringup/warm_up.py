@@ -22,7 +22,6 @@ from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.transfer import transfer
 from furuta_bringup.printing import with_progress
 from furuta_model.accepted_parts import accept_parts, accepted_parts
-from furuta_model.compilation_notice import share_right
 from furuta_model.friction.parameters import Friction
 from furuta_ros.context import ros_context
 from furuta_sim.simulation.closed_loop import Loop, simulate
@@ -63,13 +62,7 @@ def workers() -> ProcessPoolExecutor:
     """A pool with a process for each core, which accepts the same parts of one's own."""
     # A forked child of a process with threads may wait for a lock for ever.
     context = get_context("spawn")
-    shared = (accepted_parts(), context.Semaphore(1))
-    return ProcessPoolExecutor(available_cores(), context, _begin, shared)
-
-
-def _begin(parts: list[str], right: Any) -> None:
-    accept_parts(parts)
-    share_right(right)
+    return ProcessPoolExecutor(available_cores(), context, accept_parts, (accepted_parts(),))
 
 
 def compile_nodes(pool: ProcessPoolExecutor, quiet: bool = False) -> None:

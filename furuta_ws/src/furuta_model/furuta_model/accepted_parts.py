@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable
 from importlib import import_module
 from importlib.machinery import SourceFileLoader
-from itertools import count
+from itertools import chain, count
 from operator import attrgetter
 from pathlib import Path
 from types import ModuleType
@@ -61,11 +61,8 @@ def part_name(part: Any) -> str:
     """The name of a part that is given as an object; it is valid in this process."""
     name = getattr(part, "name", None) or f"{part.__module__}:{part.__qualname__}"
     name = name if ":" in name else f"own:{name}"
-    for number in count(1):
-        unique = name if number == 1 else f"{name} {number}"
-        if _accepted.setdefault(unique, part) == part:
-            return unique
-    raise AssertionError
+    names = chain([name], (f"{name} {number}" for number in count(2)))
+    return next(unique for unique in names if _accepted.setdefault(unique, part) == part)
 
 
 def accepted_part(name: str) -> Any:

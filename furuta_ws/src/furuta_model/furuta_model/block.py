@@ -6,12 +6,14 @@ field by field, which takes a microsecond for every ten fields, more than the ar
 sample. A block is passed as one argument.
 """
 
-from dataclasses import field, fields, is_dataclass
+from dataclasses import field
 from functools import cache, partial
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Any
 
 import numba
 import numpy as np
+
+from furuta_model.parameters import fields_of
 
 
 def block(group: Any) -> np.ndarray:
@@ -43,46 +45,16 @@ def zeros(*shape: int) -> Any:
     return field(default_factory=partial(np.zeros, shape))
 
 
-def field_names(value: Any) -> tuple[str, ...] | None:
-    """Names of the fields of a named tuple or a memory; None for anything else."""
-    kind: Any = type(value)
-    return _names(kind)
-
-
-@cache
-def _names(kind: Any) -> tuple[str, ...] | None:
-    if is_dataclass(kind):
-        return tuple(declared.name for declared in fields(kind))
-    return getattr(kind, "_fields", None)
-
-
 def _layout(value: Any, kind: Any = None) -> np.dtype:
     """Use the declared types: an int given for a float must not cause another compilation."""
-    if (names := field_names(value)) is not None:
-        kinds = _types(type(value))  # type: ignore[arg-type]
-        layouts = [(name, _layout(getattr(value, name), kinds[name])) for name in names]
+    if fields := fields_of(value):
+        layouts = [(name, _layout(getattr(value, name), kind)) for name, kind, _ in fields]
         return np.dtype(layouts, align=True)
     if isinstance(value, np.ndarray):
         return np.dtype((value.dtype, value.shape))
     return np.dtype(kind)
 
 
-@cache
-def marks(group: type) -> dict[str, tuple[Any, ...]]:
-    """What the fields of a named tuple or a memory are annotated with, such as SELECTS."""
-    return {
-        name: get_args(hint)[1:] if get_origin(hint) is Annotated else ()
-        for name, hint in get_type_hints(group, include_extras=True).items()
-    }
-
-
-@cache
-def _types(group: type) -> dict[str, Any]:
-    return get_type_hints(group)
-
-
 def _content(value: Any) -> Any:
-    names = field_names(value)
-    if names is None:
-        return value
-    return tuple(_content(getattr(value, name)) for name in names)
+    fields = fields_of(value)
+    return tuple(_content(getattr(value, name)) for name, _, _ in fields) if fields else value

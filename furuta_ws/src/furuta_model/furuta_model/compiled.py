@@ -1,59 +1,70 @@
 """Compiles the functions that run every sample, and caches the machine code.
 
 Numba caches a compiled function by the content of *its own* file. After an edit of a function that
-it calls from another file, the old machine code would stay in use. The cache key here covers
-everything that a function was compiled from.
+it calls from another file, the old machine code would stay in use. The folder of the cache is
+therefore named by a hash of all sources of the function's package, and of the packages of furuta
+that it imports.
 """
 
+import glob
 import hashlib
 import inspect
 import os
 import re
+import shutil
+import sys
 from collections.abc import Callable, Sequence
-from dataclasses import is_dataclass
-from enum import Enum
+from contextlib import suppress
 from functools import cache
+from importlib.util import find_spec
+from itertools import takewhile
+from multiprocessing import parent_process
 from pathlib import Path
-from types import ModuleType
-from typing import Any, TypeVar, cast, get_type_hints
+from time import monotonic
+from typing import Any, TypeVar, cast
 
 import numba
 import numba.extending
 import numpy as np
+from numba.core import event
 
-from furuta_model.compilation_notice import announce_compilation
-
-# Options of numba for what compiled code calls, whose code is part of the caller's. Wrappers for
-# Python and C and a file in the cache would be for nobody, and take half of the compilation.
+# Options of numba for the second dispatcher, which compiled callers use. It has no wrapper for
+# Python or C and no file in the cache, which halves the time of compilation.
 UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
-# Modules in a name, as in package.module.NUMBER, in which the used values are looked for.
-DEEPEST_MODULE = 3
+# Caches of a package that remain: those of its newest contents.
+KEPT_CACHES = 4
+_IMPORT = re.compile(rb"^\s*(?:from|import)\s+(furuta\w*)", re.MULTILINE)
+
+NOTICE = "furuta: compiling; the first run takes up to a minute, later ones start at once"
+# Time of compilation without a notice [s]: a few functions may be new after a change.
+UNNOTICED = 2.0
+
+# Numba adds its options when it is imported.
+_config: Any = numba.config
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def compiled(function: Function, cached: bool = True, **options: Any) -> Function:
-    """Compile ``function`` in nopython mode, cached beside its installed source.
+    """Compile ``function`` in nopython mode, cached beside its installed package.
 
     Fast-math is off, so the compiler does not reorder arithmetic and results are reproducible.
     ``options`` are those of numba. A closure cannot be cached; it is compiled into the cached
     functions that call it.
     """
-    digest = _digest(function)
     options = {"nogil": True, "error_model": "numpy", **options}
-    config: Any = numba.config
-    previous = config.CACHE_DIR
-    config.CACHE_DIR = str(_cache_directory(inspect.getfile(function)) / digest[:16])
+    previous = _config.CACHE_DIR
+    _config.CACHE_DIR = str(_cache_folder(inspect.getfile(function)))
     try:
         dispatcher: Any = numba.njit(cache=cached, **options)(function)
     finally:
-        config.CACHE_DIR = previous
-    dispatcher.furuta_digest = digest
-    if not config.DISABLE_JIT:
+        _config.CACHE_DIR = previous
+    dispatcher.is_announced = True
+    if not _config.DISABLE_JIT:
         unwrapped: Any = numba.njit(**UNWRAPPED, **options)(function)
-        unwrapped.furuta_digest = digest
-        # What compiled code calls.
+        unwrapped.is_announced = True
+        # numba 0.59 to 0.68 asks a dispatcher for these two when compiled code calls it.
         dispatcher.get_call_template = unwrapped.get_call_template
         dispatcher.get_overload = unwrapped.get_overload
     return cast(Function, dispatcher)
@@ -87,8 +98,6 @@ def inlined(function: Function, **options: Any) -> Function:
     return compiled(function, forceinline=True, _nrt=False, **options)
 
 
-announce_compilation()
-
 # By function and the arguments' types.
 _machine_code: dict[tuple[Any, ...], Any] = {}
 
@@ -99,8 +108,7 @@ def for_types_of(function: Function, *arguments: Any) -> Function:
     A compiled function looks at the types of its arguments at every call, which takes most of the
     time of a short one.
     """
-    config: Any = numba.config
-    if config.DISABLE_JIT:
+    if _config.DISABLE_JIT:
         return function
     # Looking at a record's type takes milliseconds, and nodes ask at every change of a parameter.
     key = (function, *map(_kind, arguments))
@@ -128,79 +136,88 @@ def make_intrinsic(
     ``in_python`` does the same if compilation is switched off (NUMBA_DISABLE_JIT). Numba's
     declarations describe an intrinsic as it is written, not as it is called.
     """
-    config: Any = numba.config
-    if config.DISABLE_JIT and in_python is not None:
+    if _config.DISABLE_JIT and in_python is not None:
         return in_python
-    made: Any = numba.extending.intrinsic(function)
-    made.furuta_digest = _digest(function)
-    return made
+    return numba.extending.intrinsic(function)
 
 
-def _digest(function: Callable[..., Any]) -> str:
-    """Hash of this file, the function's file, and what the machine code depends on elsewhere.
+@cache
+def _cache_folder(file: str) -> Path:
+    """Where the machine code of functions in ``file`` is, for the sources as they are now.
 
-    That is what the function reaches through its globals, through modules among them, and through
-    its closure: compiled functions that it calls, values that it uses, and named tuples and
-    memories that it makes or takes.
+    It is beside the package or, where that is not writable, in the user's cache.
     """
-    content = hashlib.sha256(_file_digest(__file__).encode())
-    content.update(_file_digest(inspect.getfile(function)).encode())
-    names = sorted({*function.__code__.co_names, *_annotated(function)})
-    _add_names(content, names, function.__globals__)
-    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
-        _add(content, name, cell.cell_contents)
+    root = _root(file)
+    if os.environ.get("NUMBA_CACHE_DIR"):
+        base = Path(os.environ["NUMBA_CACHE_DIR"]) / "furuta"
+    elif os.access(root, os.W_OK):
+        base = root / "__pycache__" / "furuta"
+    else:
+        base = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "furuta"
+    folder = base / f"{root.name}-{_digest(root)[:16]}"
+    if not folder.exists():
+        with suppress(OSError):  # another process may remove them too
+            earlier = sorted(base.glob(f"{glob.escape(root.name)}-*"), key=os.path.getmtime)
+            for old in earlier[: 1 - KEPT_CACHES]:
+                shutil.rmtree(old, ignore_errors=True)
+    return folder
+
+
+def _root(file: str) -> Path:
+    """The folder of the outermost package around a file, or that of a file in no package."""
+    folders = Path(file).absolute().parents
+    packages = [*takewhile(_is_package, folders)]
+    return packages[-1] if packages else folders[0]
+
+
+def _is_package(folder: Path) -> bool:
+    return (folder / "__init__.py").exists()
+
+
+@cache
+def _digest(root: Path) -> str:
+    """Hash of all sources below ``root``, and of the packages of furuta that they import.
+
+    A folder that is no package may hold anything: only the files in itself count.
+    """
+    content = hashlib.sha256()
+    imported: set[bytes] = set()
+    for file in sorted(root.rglob("*.py") if _is_package(root) else root.glob("*.py")):
+        source = file.read_bytes()
+        content.update(f"{file.relative_to(root)} {len(source)} ".encode() + source)
+        imported.update(_IMPORT.findall(source))
+    for name in sorted(imported):
+        spec = find_spec(name.decode())
+        if spec and spec.origin and _root(spec.origin) != root:
+            content.update(_digest(_root(spec.origin)).encode())
     return content.hexdigest()
 
 
-def _add_names(content: Any, names: list[str], space: dict[str, Any], depth: int = 0) -> None:
-    """Add what has one of these names, here or in a module that has one."""
-    for name in names:
-        used = space.get(name)
-        if not isinstance(used, ModuleType):
-            _add(content, name, used)
-        elif depth < DEEPEST_MODULE:
-            _add_names(content, names, vars(used), depth + 1)
+class _Notice(event.Listener):
+    """Prints one line when this process has compiled our functions for a while."""
+
+    def __init__(self) -> None:
+        self._begun: list[float] = []  # a function is compiled while the one that calls it is
+        self._total = 0.0
+        self._is_due = parent_process() is None  # workers do not print
+
+    def on_start(self, event: Any) -> None:
+        if not hasattr(event.data["dispatcher"], "is_announced"):
+            return
+        self._begun.append(monotonic())
+        if self._is_due and self._total + monotonic() - self._begun[0] > UNNOTICED:
+            self._is_due = False
+            print(NOTICE, file=sys.stderr, flush=True)
+
+    def on_end(self, event: Any) -> None:
+        if not hasattr(event.data["dispatcher"], "is_announced"):
+            return
+        begun = self._begun.pop()
+        if not self._begun:
+            self._total += monotonic() - begun
 
 
-def _add(content: Any, name: str, used: Any) -> None:
-    if hasattr(used, "furuta_digest"):
-        content.update(used.furuta_digest.encode())
-    elif isinstance(used, (bool, int, float, complex, str, bytes, np.dtype, Enum)):
-        content.update(f"{name}={used!r}".encode())
-    elif isinstance(used, (np.ndarray, np.generic)):
-        content.update(f"{name}={used.dtype}{used.shape}".encode() + used.tobytes())
-    elif isinstance(used, tuple):
-        content.update(f"{name}={type(used).__name__} of {len(used)}".encode())
-        for each in used:
-            _add(content, "", each)
-    elif isinstance(used, type) and (
-        hasattr(used, "_fields") or is_dataclass(used) or issubclass(used, Enum)
-    ):
-        content.update(_file_digest(inspect.getfile(used)).encode())
-        for field, kind in sorted(get_type_hints(used).items()):
-            _add(content, field, kind)
-
-
-def _annotated(function: Callable[..., Any]) -> set[str]:
-    """Names in the annotations of the function."""
-    return {
-        name for text in function.__annotations__.values() for name in re.findall(r"\w+", str(text))
-    }
-
-
-@cache
-def _file_digest(path: str) -> str:
-    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
-
-
-@cache
-def _cache_directory(source: str) -> Path:
-    """``__pycache__`` beside the source, or the user's cache if that is not writable."""
-    if os.environ.get("NUMBA_CACHE_DIR"):
-        return Path(os.environ["NUMBA_CACHE_DIR"])
-    if os.access(Path(source).parent, os.W_OK):
-        return Path(source).parent / "__pycache__"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "furuta"
+event.register("numba:compile", _Notice())
 
 
 @compiled

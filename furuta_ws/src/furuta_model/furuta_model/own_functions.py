@@ -3,7 +3,7 @@
 A part is a Python function, or an entry of a registry with such functions; parameters choose it by
 a name that the process accepts (:mod:`furuta_model.accepted_parts`). The loop is compiled once for
 all such parts, because it calls them by their addresses, which are numbers of its design. So
-nothing changes for the parts of the house.
+built-in parts are unaffected.
 
 The first argument of a function with memory is a record of the fields of a dataclass, if it is
 annotated with one, or else an array of :data:`OWN_NUMBERS` numbers. All numbers start at zero.
@@ -64,13 +64,6 @@ def own_function(name: str) -> Callable[..., Any]:
 
 
 @cache
-def compiled_part(function: Callable[..., Any]) -> Any:
-    """An own function for compiled code, with the arithmetic of the house."""
-    is_compiled = hasattr(function, "py_func")
-    return function if is_compiled else numba.njit(error_model="numpy", **UNWRAPPED)(function)
-
-
-@cache
 def address_of(
     function: Callable[..., Any], *arguments: Any, entry: Callable[..., Any] | None = None
 ) -> int:
@@ -81,7 +74,9 @@ def address_of(
     Raises:
         ParameterError: The function cannot be compiled; the message names its line.
     """
-    inner = compiled_part(function)
+    inner: Any = function
+    if not hasattr(function, "py_func"):
+        inner = numba.njit(error_model="numpy", **UNWRAPPED)(function)
     _report_exceptions()
     try:
         code = numba.cfunc(types.float64(*arguments), error_model="numpy")(
@@ -122,7 +117,12 @@ def sample_function(function: Callable[..., Any], given: type, *others: Any) -> 
 
 def _memory_view(function: Callable[..., Any]) -> Any:
     """A compiled function that makes the memory of an own function from its address."""
-    first: Any = next(iter(_hints(function).values()), None)
+    plain = getattr(function, "py_func", function)
+    try:
+        hints = get_type_hints(plain)
+    except Exception as error:  # of whatever the annotations evaluate
+        raise ParameterError(_one_line(function, f"its annotations: {error}")) from None
+    first: Any = next((hints.get(name) for name in plain.__code__.co_varnames[:1]), None)
     return _view_of(first) if hasattr(first, "__dataclass_fields__") else _numbers
 
 
@@ -141,15 +141,6 @@ def _view_of(first: Any) -> Any:
             f"memory {first.__name__} must start at zero and have at most {OWN_NUMBERS} numbers"
         )
     return numba.njit(lambda address: numba.carray(address, 1, kind)[0], **UNWRAPPED)
-
-
-def _hints(function: Callable[..., Any]) -> dict[str, Any]:
-    plain = getattr(function, "py_func", function)
-    try:
-        hints = get_type_hints(plain)
-    except Exception as error:  # of whatever the annotations evaluate
-        raise ParameterError(_one_line(function, f"its annotations: {error}")) from None
-    return {name: kind for name, kind in hints.items() if name != "return"}
 
 
 class _Report:
@@ -207,7 +198,7 @@ def _calling(_: Any, address: Any, arguments: Any) -> Any:
         ]
         code = ir.FunctionType(ir.DoubleType(), [value.type for value in given])
         call = builder.call(builder.inttoptr(values[0], code.as_pointer()), given)
-        # The code around it is optimised for the parts of the house. (A name unknown to llvmlite.)
+        # The code around it is optimised for built-in parts. (A name unknown to llvmlite.)
         set.add(call.attributes, "cold")
         return call
 

@@ -27,18 +27,8 @@ SELECTS = "selects"
 # Mark of a field whose zero means that a part is off; other values are numbers.
 OFF_AT_ZERO = "off at zero"
 LARGEST = sys.float_info.max
-# Bits of an integer that is not printed.
-LARGEST_EXPONENT = 2 * sys.float_info.max_exp
 
-
-class _Short(reprlib.Repr):
-    def repr_int(self, x: int, level: int) -> str:
-        """An integer; of a large one, which Python may refuse to print, only its bits."""
-        large = x.bit_length() > LARGEST_EXPONENT
-        return f"an integer of {x.bit_length()} bits" if large else super().repr_int(x, level)
-
-
-_SHORT = _Short()
+_SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
 _SHORT.maxlist = _SHORT.maxtuple = 8
 
@@ -148,7 +138,10 @@ def names_part(text: str) -> bool:
 
 def shortened(value: Any) -> str:
     """A value as a message shows it: what comes from outside can be millions of characters."""
-    return _SHORT.repr(value)
+    try:
+        return _SHORT.repr(value)
+    except ValueError:  # Python refuses to print thousands of digits
+        return "an integer of too many digits"
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
@@ -181,8 +174,11 @@ def declared(group: type[NamedTuple], prefix: str = "") -> tuple[Declared, ...]:
 
 
 @cache
-def group_fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
-    """Name, type and annotation metadata of each field."""
+def group_fields(group: type) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
+    """Name, type and marks of each field of a named tuple or a dataclass; () for a number.
+
+    Marks are what the field is annotated with beside its type, such as About or SELECTS.
+    """
     return tuple(
         (field, get_args(hint)[0], get_args(hint)[1:])
         if get_origin(hint) is Annotated
@@ -191,13 +187,19 @@ def group_fields(group: type[NamedTuple]) -> tuple[tuple[str, Any, tuple[Any, ..
     )
 
 
+def fields_of(value: Any) -> tuple[tuple[str, Any, tuple[Any, ...]], ...]:
+    """The same for the type of a value."""
+    kind: Any = type(value)
+    return group_fields(kind)
+
+
 def _declared(group: type[NamedTuple], prefix: str) -> Iterator[Declared]:
-    for field, kind, metadata in group_fields(group):
+    for field, kind, marks in group_fields(group):
         if _is_group(kind):
-            yield from declared(kind, prefix if INLINE in metadata else f"{prefix}{field}.")
+            yield from declared(kind, prefix if INLINE in marks else f"{prefix}{field}.")
         else:
             plain = list if get_origin(kind) is tuple else kind
-            yield Declared(prefix + field, plain, group._field_defaults[field], metadata[0])
+            yield Declared(prefix + field, plain, group._field_defaults[field], marks[0])
 
 
 def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Group:
@@ -211,9 +213,9 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
     """
     specifications = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}
-    for field, kind, metadata in group_fields(group):
+    for field, kind, marks in group_fields(group):
         if _is_group(kind):
-            inner = prefix if INLINE in metadata else f"{prefix}{field}."
+            inner = prefix if INLINE in marks else f"{prefix}{field}."
             fields[field] = build(kind, given, inner)
         else:
             specification = specifications[prefix + field]
@@ -230,11 +232,10 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
 def values(group: Any, prefix: str = "") -> dict[str, Any]:
     """All values of a group by full name: the inverse of :func:`build`."""
     result: dict[str, Any] = {}
-    of: Any = type(group)
-    for field, kind, metadata in group_fields(of):
+    for field, kind, marks in fields_of(group):
         value = getattr(group, field)
         if _is_group(kind):
-            result |= values(value, prefix if INLINE in metadata else f"{prefix}{field}.")
+            result |= values(value, prefix if INLINE in marks else f"{prefix}{field}.")
         else:
             result[prefix + field] = list(value) if isinstance(value, tuple) else value
     return result

@@ -6,7 +6,7 @@ import inspect
 import re
 import sys
 from functools import cache
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
@@ -23,8 +23,7 @@ from furuta.export.values import (
     integer,
     truth,
 )
-from furuta_model.block import marks
-from furuta_model.parameters import About
+from furuta_model.parameters import About, group_fields
 
 # Every C has integers up to this; a larger one is written as a number.
 LARGEST_INT = 2**15 - 1
@@ -125,10 +124,9 @@ class Constants:
 @cache
 def _declarations(kind: type) -> dict[str, tuple[Any, Any]]:
     """Type and declaration as a parameter, if it is one, of each field of a named tuple."""
-    given = marks(kind)
     return {
-        name: (hint, next((each for each in given[name] if isinstance(each, About)), None))
-        for name, hint in get_type_hints(kind).items()
+        name: (hint, next((mark for mark in marks if isinstance(mark, About)), None))
+        for name, hint, marks in group_fields(kind)
     }
 
 

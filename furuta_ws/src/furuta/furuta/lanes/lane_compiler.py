@@ -36,8 +36,8 @@ from numba.extending import (
     unbox,
 )
 
-from furuta_model.block import field_names, marks
 from furuta_model.compiled import make_intrinsic
+from furuta_model.parameters import fields_of
 
 # Numbers in a line of the cache.
 CACHE_LINE = 8
@@ -99,11 +99,11 @@ def layout_of(
     value: Any, is_constant: IsConstant, marked: tuple[Any, ...] = ()
 ) -> tuple[Layout, int]:
     """The layout of a record, an array or a number, and the rows that it takes."""
-    if (names := field_names(value)) is not None:
-        kind: Any = type(value)
-        found = marks(kind)
-        inner = [layout_of(getattr(value, name), is_constant, found[name])[0] for name in names]
-        return joined(names, inner)
+    if fields := fields_of(value):
+        inner = [
+            layout_of(getattr(value, name), is_constant, found)[0] for name, _, found in fields
+        ]
+        return joined((name for name, _, _ in fields), inner)
     if isinstance(value, np.ndarray):
         return ("array", value.shape, _kind(value.flat[0])), value.size
     if is_constant(marked, value):

@@ -56,8 +56,6 @@ def by_type(implementations: Mapping[type, Callable[..., Any]]) -> Callable[...,
     config: Any = numba.config
     if not config.DISABLE_JIT:
         numba.extending.overload(choose, strict=False)(implementation)
-    digests = (getattr(chosen, "furuta_digest", "") for chosen in implementations.values())
-    vars(choose)["furuta_digest"] = "".join(digests)
     return choose
 
 

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from furuta.arguments import check
 from furuta.limit_cycles import continuation
 from furuta.limit_cycles.exact_motion import state_after
 from furuta.limit_cycles.friction_loop import rate
@@ -20,7 +21,6 @@ from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
 from furuta.limit_cycles.rest_stability import STILL
-from furuta_model.arguments import check
 from furuta_model.friction.laws import (
     analysed_law,
     check_friction,

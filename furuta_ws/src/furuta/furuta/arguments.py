@@ -86,9 +86,9 @@ def _group(name: str, group: Any, hint: Any) -> Any:
     """The named tuple with its fields checked; NaN may be in arrays and in what is not declared."""
     _check_shapes(name, group, hint)
     checked_fields = {}
-    for field, kind, metadata in group_fields(hint):
+    for field, kind, marks in group_fields(hint):
         value = getattr(group, field)
-        may_be_nan = kind is np.ndarray or (kind is float and not metadata)
+        may_be_nan = kind is np.ndarray or (kind is float and not marks)
         if not (may_be_nan and isinstance(value, kind)):
             checked_fields[field] = check(f"{name}.{field}", value, kind)
     return group._replace(**checked_fields)
@@ -100,12 +100,12 @@ _known_group = lru_cache(_group)  # a loop has hundreds of fields
 def _check_shapes(name: str, group: Any, hint: Any) -> None:
     """Check the arrays whose annotation has a shape, in which a letter is one and the same size."""
     sizes: dict[Any, int] = {}
-    for field, kind, metadata in group_fields(hint):
-        if kind is np.ndarray and metadata:
+    for field, kind, marks in group_fields(hint):
+        if kind is np.ndarray and marks:
             given = np.shape(getattr(group, field))
             expected = tuple(
                 sizes.setdefault(size, actual) if isinstance(size, str) else size
-                for size, actual in zip_longest(metadata, given[: len(metadata)])
+                for size, actual in zip_longest(marks, given[: len(marks)])
             )
             if given != expected:
                 raise ParameterError(f"{name}.{field} must have shape {expected}, given {given}")
