@@ -87,22 +87,9 @@ def end_of_range(full_scale: float, bits: int) -> float:
 def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.ndarray) -> None:
     """Read sound sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal.
 
-    The measurement of θ̇ is NaN, because the rig has no sensor for it.
+    The measurement of θ̇ is NaN, because the rig has no sensor for it. ``x`` may be the measurement.
     """
-    measure_state(x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], noise, sensors, measurement)
-
-
-@inlined
-def measure_state(
-    phi: float,
-    v: float,
-    theta: float,
-    w: float,
-    noise: np.ndarray,
-    sensors: Sensors,
-    measurement: np.ndarray,
-) -> None:
-    """Read the state φ, φ̇, θ, θ̇; see :func:`measure`."""
+    phi, v, theta, w = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
     if sensors.ideal:
         measurement[PHI], measurement[PHI_DOT] = phi, v
         measurement[THETA], measurement[THETA_DOT] = theta, w

@@ -16,14 +16,13 @@ from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
-from furuta_model.state import BRISTLE, PHI_DOT
+from furuta_model.state import BRISTLE, PHI, PHI_DOT
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant_parts import (
     Parts,
     design_parts,
     friction_with_parts,
     move_with_parts,
-    move_without_parts,
     read_with_faults,
 )
 
@@ -97,7 +96,12 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
         move_with_parts(memory, voltage, dt, substeps, model, law, plant.parts)
     else:
         advance(memory.x, voltage, dt, substeps, model, law)
-        move_without_parts(memory, voltage)
+        # Parts that are switched on continue from here.
+        memory.voltages_from, memory.torque = memory.moved + 1, voltage
+        memory.heat = memory.level_change = 0.0
+    if not plant.parts.coupling.on:
+        motor, x = memory.motor, memory.x
+        motor.angle, motor.speed, motor.bristle = x[PHI], x[PHI_DOT], x[BRISTLE]
     memory.moved += 1
     return voltage
 

@@ -16,7 +16,7 @@ from furuta_model.elementary import sin_cos, tanh
 from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
-from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque, with_tilt
+from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque
 from furuta_model.parts.motion import PendulumFriction, mobilities
 from furuta_model.pendulum import FurutaPendulum, accelerations_at
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
@@ -57,7 +57,7 @@ def rig_accelerations(
     phi: float, v: float, sine: float, cosine: float, w: float, torque: float, rig: RigModel
 ) -> tuple[float, float]:
     """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V], sine and cosine are those of θ."""
-    tilted = with_tilt(Push(0.0, 0.0, 0.0, 0.0), rig.tilt)
+    tilted = Push(0.0, 0.0, rig.tilt.x, rig.tilt.y)
     arm, joint = push_torques(phi, sine, cosine, rig.body.delta, tilted)
     joint -= rig.pendulum_friction.damping * w
     if rig.pendulum_friction.coulomb != 0.0:
