@@ -9,14 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.block import new_memory
-from furuta_model.compiled import inlined
+from furuta_model.compiled import compiled, inlined
 from furuta_model.converter import Actuator, drive
 from furuta_model.friction.laws import FrictionLaw, find_law, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
-from furuta_model.state import BRISTLE, PHI, PHI_DOT
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, SIGNALS
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant_parts import (
     Parts,
@@ -28,6 +28,8 @@ from furuta_sim.plant_parts import (
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
+
+Signals = tuple[float, float, float, float, float]
 
 
 class Plant(NamedTuple):
@@ -112,6 +114,27 @@ def true_friction(memory: PlantMemory, plant: Plant) -> float:
     if plant.parts.any:
         return friction_with_parts(memory, plant.friction, plant.parts)
     return friction_force(memory.x[PHI_DOT], memory.x[BRISTLE], plant.friction)
+
+
+# For callers in Python: node and emulated rig share the machine code, which takes a quarter of a
+# minute to compile. Memory and design are blocks.
+
+
+@compiled
+def read_block(
+    memory: np.ndarray, noise: np.ndarray, torque: float, plant: np.ndarray
+) -> tuple[Signals, Signals]:
+    """The measurement with the applied ``torque`` [V], and the true state and friction."""
+    y, x = np.empty(SIGNALS), memory[0].x
+    read(memory[0], noise, plant[0], y)
+    friction = true_friction(memory[0], plant[0])
+    return (y[0], y[1], y[2], y[3], torque), (x[0], x[1], x[2], x[3], friction)
+
+
+@compiled
+def move_block(memory: np.ndarray, command: float, plant: np.ndarray) -> float:
+    """Move the plant over one sample; return the drive's voltage [V]."""
+    return move(memory[0], command, plant[0])
 
 
 def initial_plant(plant: PlantParameters) -> np.ndarray:

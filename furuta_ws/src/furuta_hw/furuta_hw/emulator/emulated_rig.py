@@ -21,8 +21,7 @@ from furuta_model.converter import Actuator
 from furuta_model.parts.sensor_faults import sensed_state
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_sim.plant import Noise, design_plant, initial_plant
-from furuta_sim.plant_blocks import move_block
+from furuta_sim.plant import Noise, design_plant, initial_plant, move_block
 
 
 def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:
