@@ -10,12 +10,11 @@ import numpy as np
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
-from furuta_model.converter import Actuator, drive
 from furuta_model.friction.laws import FrictionLaw, find_law, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors, measure
+from furuta_model.sensors import Actuator, Sensors, drive, measure
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, SIGNALS
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant_parts import (
@@ -81,7 +80,7 @@ def _bristle_stiffness(p: PlantParameters) -> float:
 @inlined
 def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
     """Read the sensors, once a sample; see :func:`furuta_model.sensors.measure`."""
-    if plant.parts.faults.any:
+    if plant.parts.faults.is_active:
         read_with_faults(memory, noise, plant.sensors, plant.parts.faults, measurement)
     else:
         measure(memory.x, noise, plant.sensors, measurement)
@@ -94,7 +93,7 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
     """Move the rig over one sample at constant ``command`` [V]; return the drive's voltage [V]."""
     voltage = drive(command, plant.actuator)
     model, law, dt, substeps = plant.model, plant.friction, plant.sample_time, plant.substeps
-    if plant.parts.any:
+    if plant.parts.is_active:
         move_with_parts(memory, voltage, dt, substeps, model, law, plant.parts)
     else:
         advance(memory.x, voltage, dt, substeps, model, law)
@@ -111,7 +110,7 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
 @inlined
 def true_friction(memory: PlantMemory, plant: Plant) -> float:
     """Friction F [V] of the arm, and of its motor behind an elastic coupling."""
-    if plant.parts.any:
+    if plant.parts.is_active:
         return friction_with_parts(memory, plant.friction, plant.parts)
     return friction_force(memory.x[PHI_DOT], memory.x[BRISTLE], plant.friction)
 

@@ -39,9 +39,9 @@ from furuta_sim.parameters import PlantParameters
 
 
 class Parts(NamedTuple):
-    """The parts; ``any`` says whether one of them acts on drive, motion or friction."""
+    """The parts; ``is_active`` says whether one of them acts on drive, motion or friction."""
 
-    any: bool
+    is_active: bool
     springs: int
     variation: FrictionVariation
     drive: Drive
@@ -63,9 +63,10 @@ def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
     faults = p.sensor_faults
     if p.sensors.ideal:
         faults = faults._replace(speed_bandwidth=0.0)
-    on = elastic or any(part != type(part)() for part in optional)
+    changed = any(part != type(part)() for part in optional)
+    pushed = p.pushes.number > 0 or len(waves) > 0
     return Parts(
-        any=on or find_law(p.friction.law).springs or p.pushes.number > 0 or len(waves) > 0,
+        is_active=elastic or changed or pushed or find_law(p.friction.law).springs,
         springs=p.friction.springs,
         variation=variation,
         drive=p.drive,

@@ -21,7 +21,7 @@ here, or give a function (:mod:`furuta_model.own_functions`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numba
 
@@ -137,7 +137,7 @@ def _addresses(law: Law) -> tuple[int, int]:
     return level, address_of(law.breakaway, parameters)
 
 
-def _level_at_rest(level: Any) -> Callable[[Friction], float]:
+def _level_at_rest(level: Callable[[float, Friction], float]) -> Callable[[Friction], float]:
     """The breakaway level of a law that has none of its own: g(0)."""
     return lambda p: level(0.0, p)
 
