@@ -76,8 +76,7 @@ class FrictionLaw(NamedTuple):
     """A law (index into :data:`LAWS`) with its parameters, for compiled code; by default LuGre.
 
     ``level`` and ``breakaway`` are the addresses of an own law's functions. With ``bristle`` the
-    arm moves a bristle before it slides, or ``springs``; otherwise it truly sticks. With
-    ``constant_level`` it truly sticks, and slides at a level that does not depend on its speed.
+    arm moves a bristle before it slides, or ``springs``; otherwise it truly sticks.
     """
 
     kind: Annotated[int, SELECTS] = LUGRE
@@ -85,7 +84,6 @@ class FrictionLaw(NamedTuple):
     level: int = 0
     breakaway: int = 0
     bristle: Annotated[bool, SELECTS] = True
-    constant_level: Annotated[bool, SELECTS] = False
     springs: Annotated[bool, SELECTS] = False
 
     @property
@@ -112,8 +110,7 @@ def friction_law(name: str, parameters: Friction = PAPER) -> FrictionLaw:
     if not law.damped:
         parameters = parameters._replace(sigma1=0.0)
     kind, addresses = (LAWS.index(name), (0, 0)) if name in LAWS else (OWN, _addresses(law))
-    constant = law.constant and not law.bristle and name in LAWS
-    return FrictionLaw(kind, parameters, *addresses, law.bristle, constant, law.springs)
+    return FrictionLaw(kind, parameters, *addresses, law.bristle, law.springs)
 
 
 def find_law(name: str) -> Law:

@@ -85,7 +85,6 @@ def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) ->
         law.level,
         law.breakaway,
         law.bristle,
-        law.constant_level,
         law.springs,
     )
 

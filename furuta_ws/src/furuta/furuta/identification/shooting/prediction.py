@@ -13,7 +13,7 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos, tanh
-from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
+from furuta_model.friction.laws import LUGRE, FrictionLaw, bristle_force
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import integrator, substeps_for
 from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque
@@ -28,7 +28,6 @@ JOINT_SPEED = 0.05
 LONGEST_STEP = 1e-3
 # Shortest step [s]: a model that needs a shorter one does not describe a real rig.
 SHORTEST_STEP = 3e-5
-LUGRE = LAWS.index("lugre")
 # Speed [rad/s] that no rig reaches: beyond it a simulation has diverged.
 DIVERGED = 1e4
 # Rounding error of differences between large times, as a part of a step.
@@ -97,7 +96,7 @@ _advance = integrator(_stage)
 @compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, rig: RigModel) -> None:
     """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
-    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction, 0, 0, True, False, False))
+    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction, 0, 0, True, False))
 
 
 def longest_step(rig: RigModel) -> float:
