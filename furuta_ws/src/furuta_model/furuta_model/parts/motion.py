@@ -13,7 +13,7 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, sticking_force
-from furuta_model.integration import integrator
+from furuta_model.integration import Point, integrator
 from furuta_model.parameters import About
 from furuta_model.parts.disturbances import Push, push_torques, wave_torque
 from furuta_model.parts.plant_memory import PlantMemory
@@ -60,20 +60,10 @@ class Body(NamedTuple):
 
 @inlined
 def arm_stage(
-    phi: float,
-    v: float,
-    theta: float,
-    sine: float,
-    cosine: float,
-    w: float,
-    start_speed: float,
-    u: float,
-    memory: float,
-    h: float,
-    body: Body,
-    law: FrictionLaw,
+    at: Point, start_speed: float, u: float, memory: float, h: float, body: Body, law: FrictionLaw
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
+    phi, v, sine, cosine, w = at
     model, joint_friction = body.model, body.pendulum_friction
     law = varied(law, phi, body.memory.level_change, body.variation)
     arm, joint = push_torques(phi, sine, cosine, model.delta, body.push)

@@ -15,7 +15,7 @@ from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos, tanh
 from furuta_model.friction.laws import LUGRE, FrictionLaw, bristle_force
 from furuta_model.friction.parameters import Friction
-from furuta_model.integration import integrator, substeps_for
+from furuta_model.integration import Point, integrator, substeps_for
 from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque
 from furuta_model.parts.motion import PendulumFriction, mobilities
 from furuta_model.pendulum import FurutaPendulum, accelerations_at
@@ -70,12 +70,7 @@ def rig_accelerations(
 
 @inlined
 def _stage(
-    phi: float,
-    v: float,
-    theta: float,
-    sine: float,
-    cosine: float,
-    w: float,
+    at: Point,
     start_speed: float,
     u: float,
     memory: float,
@@ -84,6 +79,7 @@ def _stage(
     law: FrictionLaw,
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
+    phi, v, sine, cosine, w = at
     friction, end = bristle_force(v, memory, h, law)
     torque = u - law.parameters.viscous * v - friction
     v_dot, w_dot = rig_accelerations(phi, v, sine, cosine, w, torque, rig)
