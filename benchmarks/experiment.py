@@ -12,9 +12,9 @@ from scipy.integrate import odeint
 from furuta.oscillation import Oscillation, measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
+from furuta_model.sensors import Actuator
 from furuta_sim.parameters import PlantParameters, Sensors
 from furuta_sim.simulation.closed_loop import Loop, simulate
 

@@ -5,8 +5,14 @@ import numpy as np
 from furuta_model.block import block
 from furuta_model.compiled import for_types_of
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.plant import NOISE_CHANNELS, design_plant, initial_plant
-from furuta_sim.plant_blocks import Signals, move_block, read_block
+from furuta_sim.plant import (
+    NOISE_CHANNELS,
+    Signals,
+    design_plant,
+    initial_plant,
+    move_block,
+    read_block,
+)
 
 QUIET = np.zeros(NOISE_CHANNELS)
 

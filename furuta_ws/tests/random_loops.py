@@ -6,10 +6,9 @@ from part_parameters import controller
 from furuta.axis.axis import Axis, Pid
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Actuator, Sensors
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
 

@@ -21,6 +21,14 @@ def accelerations(v: float, theta: float, w: float, torque: float, p: FurutaPend
     return solved / (of_arm * p.beta - shared**2)
 
 
+def energy(x: np.ndarray, p: FurutaPendulum) -> float:
+    """Kinetic plus potential energy T + V [V rad] at state ``x``, V = δ cosθ."""
+    _, v, theta, w = x[:4]
+    s, c = sin(theta), cos(theta)
+    kinetic = 0.5 * p.alpha * v**2 + 0.5 * p.beta * (w**2 + (s * v) ** 2) + p.gamma * c * v * w
+    return float(kinetic + p.delta * c)
+
+
 def level(v: float, p: Friction) -> float:
     """g(v) of (5) with asymmetry."""
     return (p.alpha0 + p.alpha1 * np.exp(-((v / p.stribeck_velocity) ** 2))) * (

@@ -16,9 +16,9 @@ from furuta_control.estimators import kalman
 from furuta_friction.compensation import ObserverParameters
 from furuta_hw.drivers.serial_protocol.driver import SampleConverter
 from furuta_hw.protocol.frames import SensorsFrame
-from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import linearize
+from furuta_model.sensors import Actuator
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters, Sensors
 from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop, Simulation, simulate

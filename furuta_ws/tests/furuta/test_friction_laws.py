@@ -8,7 +8,6 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.oscillation import measure_oscillation
 from furuta_control.control import ControllerParameters
 from furuta_control.estimation import EstimatorParameters
-from furuta_model.converter import Actuator
 from furuta_model.friction.laws import (
     ALL,
     ANALYSED_LAWS,
@@ -20,7 +19,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Actuator, Sensors
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, simulate
 

@@ -8,10 +8,7 @@ import reference
 from scipy.integrate import solve_ivp
 
 from furuta_model.friction.laws import friction_law, steady_friction
-from furuta_model.friction.lugre import (
-    bristle_after,
-    friction,
-)
+from furuta_model.friction.lugre import force, stretched, stribeck_level
 from furuta_model.friction.parameters import Friction
 
 
@@ -19,16 +16,17 @@ def test_steady_state_is_the_stribeck_curve() -> None:
     """After a long time F is g(v) of that direction plus the viscous part."""
     p = Friction(viscous=0.3, asymmetry=0.2)
     for v in (0.001, -0.02, 0.05, -0.3, 5.0, -100.0):
-        z, mean = bristle_after(v, 0.0, 0.0, 1e4, p)
+        level = stribeck_level(v, p)
+        z, mean, _ = stretched(v, v, 0.0, 1e4, level, p)
         expected = np.sign(v) * reference.level(v, p) + p.viscous * v
-        assert friction(v, z, p) == pytest.approx(expected)
+        assert force(v, z, level, p) == pytest.approx(expected)
         assert steady_friction(v, friction_law("lugre", p)) == pytest.approx(expected)
         assert p.sigma0 * mean == pytest.approx(np.sign(v) * reference.level(v, p), rel=0.01)
 
 
 @pytest.mark.parametrize("rate", [0.0, 1e-2, 30.0, 1e4])
 @pytest.mark.parametrize("dt", [1e-3, 1.0])
-def test_bristle_after_is_exact(rate: float, dt: float) -> None:
+def test_stretched_is_exact(rate: float, dt: float) -> None:
     """End and mean agree with a stiff solver at tight tolerance for any rate and step."""
     correction = -0.4
     p = Friction(sigma0=1e5, alpha0=0.2, alpha1=0.0)
@@ -43,7 +41,7 @@ def test_bristle_after_is_exact(rate: float, dt: float) -> None:
         atol=1e-17,
     ).y[:, -1]
     scale = abs(z) + abs(v + correction) * dt
-    end, mean = bristle_after(v, correction, z, dt, p)
+    end, mean, _ = stretched(v, v + correction, z, dt, stribeck_level(v, p), p)
     assert end == pytest.approx(exact[0], rel=1e-7, abs=1e-9 * scale)
     assert mean == pytest.approx(exact[1] / dt, rel=1e-7, abs=1e-9 * scale)
 
@@ -58,7 +56,8 @@ def test_bound_is_kept() -> None:
         reached = 0.0
         for _ in range(2000):
             v = rng.choice([-1, 1]) * 10 ** rng.uniform(-6, 3)
-            z, mean = bristle_after(v, 0.0, z, 10 ** rng.uniform(-6, -1), p)
+            dt = 10 ** rng.uniform(-6, -1)
+            z, mean, _ = stretched(v, v, z, dt, stribeck_level(v, p), p)
             assert abs(z) <= bound
             assert abs(mean) <= bound
             reached = max(reached, abs(z))

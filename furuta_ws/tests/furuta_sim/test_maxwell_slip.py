@@ -6,13 +6,13 @@ from plant_steps import PlantSteps
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled
-from furuta_model.converter import Actuator
 from furuta_model.friction.laws import FrictionLaw, friction_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.parts.plant_memory import PlantMemory
-from furuta_model.parts.varied_friction import keep_springs, springs_force, springs_friction
+from furuta_model.parts.varied_friction import joint_friction, keep_springs, presliding_force
+from furuta_model.sensors import Actuator
 from furuta_sim.parameters import PlantFriction, PlantParameters
 
 P = Friction(alpha1=0.0)
@@ -26,9 +26,9 @@ def _follow(x: PlantMemory, path: np.ndarray, springs: int, law: FrictionLaw) ->
     for k in range(len(path)):
         v = (path[k] - before) / 1e-3
         before = path[k]
-        springs_force(x, v, 1e-3, springs, law)
+        presliding_force(x, v, 0.0, 1e-3, springs, law)
         keep_springs(x, springs)
-        force[k] = springs_friction(x, v, springs, law)
+        force[k] = joint_friction(x, v, 0.0, springs, law)
     return force
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from furuta_model.converter import Actuator, convert, drive
+from furuta_model.sensors import Actuator, convert, drive
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_sim.parameters import Sensors
 from furuta_sim.plant import Noise, measure

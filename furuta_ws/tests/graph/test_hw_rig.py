@@ -19,9 +19,9 @@ from furuta_hw.rigs.known_rigs import find_rig, rig_directory
 from furuta_hw.rigs.physical import PhysicalParameters, normalise
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
-from furuta_model.converter import convert
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import accelerations
+from furuta_model.sensors import convert
 
 PHYSICAL = PhysicalParameters(
     arm_inertia=2e-4,

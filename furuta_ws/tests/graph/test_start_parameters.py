@@ -64,7 +64,7 @@ def changed_values(name: str) -> dict[str, Any]:
 def test_a_dump_loads_again(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The output of ``ros2 param dump`` starts a node with the same changed parameters."""
     # No sample is taken, so that nothing has to be compiled for the changed plant.
-    monkeypatch.setattr("furuta_sim.plant_node.for_types_of", lambda *_: None)
+    monkeypatch.setattr("furuta_sim.simulated_plant.for_types_of", lambda *_: None)
     node = NODES[name].load_class()
     with ros_context():
         bench = Bench()

@@ -8,9 +8,8 @@ from furuta.identification.model import Model
 from furuta.identification.options import Options
 from furuta.identification.result.report import standard_errors, summary
 from furuta_control.estimation import EstimatorParameters
-from furuta_model.converter import drive
 from furuta_model.friction.parameters import Friction
-from furuta_model.sensors import Sensors, measure
+from furuta_model.sensors import Sensors, drive, measure
 from furuta_recordings.recording import Recording
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS

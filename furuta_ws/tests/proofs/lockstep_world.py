@@ -90,7 +90,6 @@ class World:
     def __init__(self, bounds: Bounds) -> None:
         self.bounds, self.budget = bounds, bounds[1:]
         self.now = SECOND
-        self.sent = 0  # when the message that is being received was sent [ns]
         self.queues: dict[str, tuple[Any, ...]] = dict.fromkeys(QUEUES, ())
         self.estimator = self.observer = -1  # newest sample of each
         self.sample, self.held, self.resetting, self.message = 0, True, False, 0
@@ -138,7 +137,6 @@ class World:
         (content, sent), *rest = self.queues[queue]
         self.queues[queue] = tuple(rest)
         self.now += EVENT
-        self.sent = sent
         if queue == "measurement":
             self.estimator = content
             self.send("state to observer", content)
@@ -152,7 +150,7 @@ class World:
             self.controller.on_friction(value_bytes(content))
         else:
             self.held = self.resetting
-            self.lockstep.on_command(content)
+            self.lockstep.on_command(content, sent)
 
     def restart(self, node: str) -> None:
         """A node is killed and started again: what it had received is gone."""
@@ -254,9 +252,10 @@ CLOCK = Clock()
 class NoClock:
     """In place of the simulated clock: nothing is published."""
 
-    due = 10**18
-
     def __init__(self, plant: Any) -> None: ...
+
+    def advance(self, stamp: int) -> None:
+        """Do nothing."""
 
     def repeat(self) -> None:
         """Do nothing."""

@@ -48,7 +48,7 @@ def test_every_command_answers_its_own_sample(bounds: Bounds) -> None:
 
 
 MUTANTS: list[tuple[type, str, str, Bounds]] = [
-    (LockStep, "if 0 < self._plant.sent < self._began:", "if False:", Bounds(3, resets=1)),
+    (LockStep, "if 0 < sent < self._began:", "if False:", Bounds(3, resets=1)),
     (LockStep, "elif self._is_repeated:", "elif False:", Bounds(3, losses=1, early=1)),
     (LockStep, "unchanged >= SETTLE_TIME", "True", Bounds(3, losses=1, early=1)),
     (ControllerNode, "and not self._is_answered:", ":", Bounds(3, losses=1)),

@@ -39,7 +39,7 @@ ROS_MODULES = {
 PURE = ["furuta", "furuta_model"]
 # Here only the nodes, and the files named below, import ROS.
 WITH_NODES = ["furuta_sim", "furuta_control", "furuta_friction", "furuta_hw", "furuta_recordings"]
-ROS_FILES = {"lockstep", "realtime", "recorder_process"}
+ROS_FILES = {"lockstep", "realtime", "recorder_process", "simulated_plant"}
 
 
 def cores(package: str) -> list[Path]:

@@ -16,7 +16,7 @@ identification, one on a tilted base.
 
 from collections.abc import Callable
 from math import ceil, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,11 +36,21 @@ LARGEST_STEP = 0.25
 # Limits the computing time per sample; reached only at speeds far above those of any rig.
 MAX_SUBSTEPS = 10_000
 
+
+class Point(NamedTuple):
+    """Where a stage is evaluated: φ [rad], φ̇ and θ̇ [rad/s], sine and cosine of θ."""
+
+    phi: float
+    v: float
+    sine: float
+    cosine: float
+    w: float
+
+
 # One stage of the rule: accelerations (φ̈, θ̈) [rad/s²] under the mean friction over the stage, and
-# the friction law's memory at its end. Its arguments: φ, φ̇, θ, sin θ, cos θ, θ̇ at which the stage
-# is evaluated, φ̇ at the start of the substep, u [V], the memory at the start, the length of the
-# stage [s], body and friction law.
-Stage = Callable[..., tuple[float, float, float]]
+# the friction law's memory at its end. Its arguments: the point, φ̇ at the start of the substep,
+# u [V], the memory at the start, the length of the stage [s], body and friction law.
+Stage = Callable[[Point, float, float, float, float, Any, FrictionLaw], tuple[float, float, float]]
 
 
 def substeps_for(dt: float, pendulum: FurutaPendulum, friction: Friction) -> int:
@@ -97,9 +107,9 @@ def first_half_rule(stage: Stage) -> Callable[..., tuple[float, float]]:
         x: np.ndarray, u: float, h: float, sine: float, cosine: float, body: Any, law: FrictionLaw
     ) -> tuple[float, float]:
         half = 0.5 * h
-        phi, v, theta, w = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
-        v_dot, w_dot, _ = stage(phi, v, theta, sine, cosine, w, v, u, x[BRISTLE], half, body, law)
-        return v + half * v_dot, w + half * w_dot
+        at = Point(x[PHI], x[PHI_DOT], sine, cosine, x[THETA_DOT])
+        v_dot, w_dot, _ = stage(at, at.v, u, x[BRISTLE], half, body, law)
+        return at.v + half * v_dot, at.w + half * w_dot
 
     return inlined(first_half, cached=False)
 
@@ -120,11 +130,9 @@ def whole_rule(stage: Stage) -> Callable[..., None]:
     ) -> None:
         half = 0.5 * h
         phi, v, theta, w = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
-        phi_mid, theta_mid = phi + half * v, theta + half * w
         sine, cosine = rotate_slightly(sine, cosine, half * w)
-        v_dot, w_dot, end = stage(
-            phi_mid, v_mid, theta_mid, sine, cosine, w_mid, v, u, x[BRISTLE], h, body, law
-        )
+        middle = Point(phi + half * v, v_mid, sine, cosine, w_mid)
+        v_dot, w_dot, end = stage(middle, v, u, x[BRISTLE], h, body, law)
         x[PHI] = phi + h * v_mid
         x[PHI_DOT] = v + h * v_dot
         x[THETA] = theta + h * w_mid
@@ -136,12 +144,7 @@ def whole_rule(stage: Stage) -> Callable[..., None]:
 
 @inlined
 def _pendulum_stage(
-    phi: float,
-    v: float,
-    theta: float,
-    sine: float,
-    cosine: float,
-    w: float,
+    at: Point,
     start_speed: float,
     u: float,
     memory: float,
@@ -150,6 +153,7 @@ def _pendulum_stage(
     law: FrictionLaw,
 ) -> tuple[float, float, float]:
     """A stage of the paper's pendulum under any friction law."""
+    _, v, sine, cosine, w = at
     driven = u - law.parameters.viscous * v
     if law.bristle:
         friction, end = bristle_force(v, memory, h, law)

@@ -12,12 +12,9 @@ Lagrangian T = ½αφ̇² + ½β(θ̇² + sin²θ φ̇²) + γ cosθ φ̇θ̇, V
 
 from typing import Annotated, NamedTuple
 
-import numpy as np
-
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.parameters import About, ParameterError
-from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
 GRAVITY = 9.81  # [m/s²]
 # Angle [rad] up to which the series of :func:`rotate_slightly` are exact to rounding.
@@ -127,11 +124,3 @@ def arm_dynamics(
         - p.gamma * s * theta_dot * theta_dot
     )
     return inertia, torque
-
-
-def energy(x: np.ndarray, p: FurutaPendulum) -> float:
-    """Kinetic plus potential energy T + V [V rad] at state ``x`` (4,), V = δ cosθ."""
-    s, c = np.sin(x[THETA]), np.cos(x[THETA])
-    v, w = x[PHI_DOT], x[THETA_DOT]
-    kinetic = 0.5 * p.alpha * v**2 + 0.5 * p.beta * (w**2 + (s * v) ** 2) + p.gamma * c * v * w
-    return float(kinetic + p.delta * c)

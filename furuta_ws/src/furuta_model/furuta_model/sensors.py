@@ -1,4 +1,6 @@
-"""The rig's sensors: their parameters, true ones of the plant and nominal ones of the estimator.
+"""The rig's sensors and its drive, each with a converter.
+
+The parameters of the sensors are true ones of the plant and nominal ones of the estimator.
 
 The defaults are those of the paper's rig (Section 4). Values that the paper does not give are
 assumed: the tachometer has the range of a ±10 V converter at 1 V s/rad, and each analogue channel
@@ -11,7 +13,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from furuta_model.compiled import inlined
-from furuta_model.converter import convert
+from furuta_model.elementary import power_of_two
 from furuta_model.parameters import OFF_AT_ZERO, About
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
@@ -68,6 +70,15 @@ class Sensors(NamedTuple):
         )
 
 
+class Actuator(NamedTuple):
+    """Drive of the arm's motor, with a digital-to-analogue converter."""
+
+    voltage_range: Annotated[float, About("largest voltage of the drive", "V", 1e-3, 1e3)] = 10.0
+    bits: Annotated[
+        int, About("bits of the drive's converter, 0 for no quantisation", "", 0, 32), OFF_AT_ZERO
+    ] = 12
+
+
 def variance(noise: float, step: float) -> float:
     """Variance of a reading with noise of standard deviation ``noise``, rounded to steps."""
     return noise**2 + step**2 / 12.0
@@ -87,22 +98,9 @@ def end_of_range(full_scale: float, bits: int) -> float:
 def measure(x: np.ndarray, noise: np.ndarray, sensors: Sensors, measurement: np.ndarray) -> None:
     """Read sound sensors into the first 4 of ``measurement``; ``noise`` (2,) is standard normal.
 
-    The measurement of θ̇ is NaN, because the rig has no sensor for it.
+    The measurement of θ̇ is NaN, because the rig has no sensor for it. ``x`` may be the measurement.
     """
-    measure_state(x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT], noise, sensors, measurement)
-
-
-@inlined
-def measure_state(
-    phi: float,
-    v: float,
-    theta: float,
-    w: float,
-    noise: np.ndarray,
-    sensors: Sensors,
-    measurement: np.ndarray,
-) -> None:
-    """Read the state φ, φ̇, θ, θ̇; see :func:`measure`."""
+    phi, v, theta, w = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
     if sensors.ideal:
         measurement[PHI], measurement[PHI_DOT] = phi, v
         measurement[THETA], measurement[THETA_DOT] = theta, w
@@ -123,3 +121,21 @@ def measure_state(
         sensors.potentiometer_bits,
     )
     measurement[THETA_DOT] = nan
+
+
+@inlined
+def convert(value: float, full_scale: float, bits: int) -> float:
+    """Clip and round ``value`` like a converter of ±``full_scale`` with ``bits``."""
+    value = min(max(value, -full_scale), full_scale)
+    if bits == 0:
+        return value
+    # Multiplication by a power of two is exact, and much faster than division.
+    step = full_scale * power_of_two(1 - bits)
+    code = np.floor(value / step + 0.5)
+    return min(code, power_of_two(bits - 1) - 1.0) * step
+
+
+@inlined
+def drive(command: float, actuator: Actuator) -> float:
+    """Torque [V] that the drive applies for a command [V]."""
+    return convert(command, actuator.voltage_range, actuator.bits)

@@ -7,7 +7,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_model.converter import Actuator, drive
+from furuta_model.sensors import Actuator, drive
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA, THETA_DOT
 
 CHANNELS = ("arm angle", "arm speed", "pendulum angle", "pendulum speed")

@@ -9,11 +9,11 @@ command seconds late: one that was sent before its measurement is ignored.
 """
 
 from time import monotonic, time_ns
-from typing import Any
 
 from furuta_ros.discovery import clock_advice
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, Topic
+from furuta_sim.simulated_plant import SimulatedPlant
 
 CHECK_PERIOD = 0.1  # [s] between checks of the loop
 REPEAT_AFTER = 1.0  # [s] without a command until the measurement is sent again
@@ -24,9 +24,9 @@ INCOMPLETE_AFTER = 4.0
 
 
 class LockStep:
-    """Moves the plant (:class:`furuta_sim.plant_node.PlantNode`) when a command arrives."""
+    """Moves the plant when a command arrives."""
 
-    def __init__(self, plant: Any) -> None:
+    def __init__(self, plant: SimulatedPlant) -> None:
         self._plant = plant
         self._is_waiting = self._is_repeated = False
         self._began = 0  # when the measurement was sent last [ns since 1970]
@@ -37,11 +37,14 @@ class LockStep:
         self._clock = SimulatedClock(plant)
         plant.steady_timer(CHECK_PERIOD, self._check)
 
-    def on_command(self, command: float) -> None:
-        """Apply the command to the published sample; ignore any other."""
+    def on_command(self, command: float, sent: int) -> None:
+        """Apply the command to the published sample; ignore any other.
+
+        ``sent`` is when the command was sent [ns since 1970], 0 if not known.
+        """
         if not self._is_waiting:
             return
-        if 0 < self._plant.sent < self._began:
+        if 0 < sent < self._began:
             self._late += 1
         elif self._is_repeated:
             self._command, self._changed_at = command, monotonic()
@@ -62,8 +65,7 @@ class LockStep:
     def _publish(self) -> None:
         self._is_waiting, self._is_repeated, self._command = True, False, None
         self._late = 0
-        if (stamp := self._plant.stamp) >= self._clock.due:
-            self._clock.advance(stamp)
+        self._clock.advance(self._plant.stamp)
         self._began = time_ns()
         self._plant.publish_sample()
 

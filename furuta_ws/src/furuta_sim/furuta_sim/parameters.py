@@ -6,7 +6,6 @@ The defaults are those of the paper's rig (Section 4).
 from math import pi
 from typing import Annotated, NamedTuple
 
-from furuta_model.converter import Actuator
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
@@ -19,7 +18,7 @@ from furuta_model.parts.motion import Cogging, PendulumFriction
 from furuta_model.parts.sensor_faults import SensorFaults
 from furuta_model.parts.varied_friction import FrictionVariation
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Actuator, Sensors
 
 CLOCKS = ("realtime", "lockstep")
 

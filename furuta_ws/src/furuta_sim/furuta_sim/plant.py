@@ -9,26 +9,26 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta_model.block import new_memory
-from furuta_model.compiled import inlined
-from furuta_model.converter import Actuator, drive
+from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, find_law, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors, measure
-from furuta_model.state import BRISTLE, PHI_DOT
+from furuta_model.sensors import Actuator, Sensors, drive, measure
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, SIGNALS
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant_parts import (
     Parts,
     design_parts,
     friction_with_parts,
     move_with_parts,
-    move_without_parts,
     read_with_faults,
 )
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
+
+Signals = tuple[float, float, float, float, float]
 
 
 class Plant(NamedTuple):
@@ -80,7 +80,7 @@ def _bristle_stiffness(p: PlantParameters) -> float:
 @inlined
 def read(memory: PlantMemory, noise: np.ndarray, plant: Plant, measurement: np.ndarray) -> None:
     """Read the sensors, once a sample; see :func:`furuta_model.sensors.measure`."""
-    if plant.parts.faults.any:
+    if plant.parts.faults.is_active:
         read_with_faults(memory, noise, plant.sensors, plant.parts.faults, measurement)
     else:
         measure(memory.x, noise, plant.sensors, measurement)
@@ -93,11 +93,16 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
     """Move the rig over one sample at constant ``command`` [V]; return the drive's voltage [V]."""
     voltage = drive(command, plant.actuator)
     model, law, dt, substeps = plant.model, plant.friction, plant.sample_time, plant.substeps
-    if plant.parts.any:
+    if plant.parts.is_active:
         move_with_parts(memory, voltage, dt, substeps, model, law, plant.parts)
     else:
         advance(memory.x, voltage, dt, substeps, model, law)
-        move_without_parts(memory, voltage)
+        # Parts that are switched on continue from here.
+        memory.voltages_from, memory.torque = memory.moved + 1, voltage
+        memory.heat = memory.level_change = 0.0
+    if not plant.parts.coupling.on:
+        motor, x = memory.motor, memory.x
+        motor.angle, motor.speed, motor.bristle = x[PHI], x[PHI_DOT], x[BRISTLE]
     memory.moved += 1
     return voltage
 
@@ -105,9 +110,30 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
 @inlined
 def true_friction(memory: PlantMemory, plant: Plant) -> float:
     """Friction F [V] of the arm, and of its motor behind an elastic coupling."""
-    if plant.parts.any:
+    if plant.parts.is_active:
         return friction_with_parts(memory, plant.friction, plant.parts)
     return friction_force(memory.x[PHI_DOT], memory.x[BRISTLE], plant.friction)
+
+
+# For callers in Python: node and emulated rig share the machine code, which takes a quarter of a
+# minute to compile. Memory and design are blocks.
+
+
+@compiled
+def read_block(
+    memory: np.ndarray, noise: np.ndarray, torque: float, plant: np.ndarray
+) -> tuple[Signals, Signals]:
+    """The measurement with the applied ``torque`` [V], and the true state and friction."""
+    y, x = np.empty(SIGNALS), memory[0].x
+    read(memory[0], noise, plant[0], y)
+    friction = true_friction(memory[0], plant[0])
+    return (y[0], y[1], y[2], y[3], torque), (x[0], x[1], x[2], x[3], friction)
+
+
+@compiled
+def move_block(memory: np.ndarray, command: float, plant: np.ndarray) -> float:
+    """Move the plant over one sample; return the drive's voltage [V]."""
+    return move(memory[0], command, plant[0])
 
 
 def initial_plant(plant: PlantParameters) -> np.ndarray:

@@ -9,24 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled, inlined
+from furuta_model.compiled import compiled
 from furuta_model.friction.laws import FrictionLaw, find_law
 from furuta_model.parts.coupling import (
     ElasticRig,
     advance_elastic,
     design_coupling,
-    follow_arm,
-    motor_friction,
 )
-from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves, push_at, with_tilt
+from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves, push_at
 from furuta_model.parts.drive import Drive, mean_torque
-from furuta_model.parts.motion import (
-    Body,
-    Cogging,
-    PendulumFriction,
-    advance_with_parts,
-    varied_friction,
-)
+from furuta_model.parts.motion import Body, Cogging, PendulumFriction, advance_with_parts
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.sensor_faults import (
     FaultySensors,
@@ -34,17 +26,22 @@ from furuta_model.parts.sensor_faults import (
     design_faults,
     faulty_state,
 )
-from furuta_model.parts.varied_friction import FrictionVariation, vary_level
+from furuta_model.parts.varied_friction import (
+    FrictionVariation,
+    joint_friction,
+    varied,
+    vary_level,
+)
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors, measure_state
-from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
+from furuta_model.sensors import Sensors, measure
+from furuta_model.state import BRISTLE, PHI, PHI_DOT, RIGID_STATES
 from furuta_sim.parameters import PlantParameters
 
 
 class Parts(NamedTuple):
-    """The parts; ``any`` says whether one of them acts on drive, motion or friction."""
+    """The parts; ``is_active`` says whether one of them acts on drive, motion or friction."""
 
-    any: bool
+    is_active: bool
     springs: int
     variation: FrictionVariation
     drive: Drive
@@ -66,9 +63,10 @@ def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
     faults = p.sensor_faults
     if p.sensors.ideal:
         faults = faults._replace(speed_bandwidth=0.0)
-    on = elastic or any(part != type(part)() for part in optional)
+    changed = any(part != type(part)() for part in optional)
+    pushed = p.pushes.number > 0 or len(waves) > 0
     return Parts(
-        any=on or find_law(p.friction.law).springs or p.pushes.number > 0 or len(waves) > 0,
+        is_active=elastic or changed or pushed or find_law(p.friction.law).springs,
         springs=p.friction.springs,
         variation=variation,
         drive=p.drive,
@@ -100,9 +98,9 @@ def read_with_faults(
     measurement: np.ndarray,
 ) -> None:
     """Read faulty sensors; see :func:`furuta_sim.plant.read`."""
-    phi, v = faulty_state(memory, PHI, faults), faulty_state(memory, PHI_DOT, faults)
-    theta, w = faulty_state(memory, THETA, faults), faulty_state(memory, THETA_DOT, faults)
-    measure_state(phi, v, theta, w, noise, sensors, measurement)
+    for i in range(RIGID_STATES):
+        measurement[i] = faulty_state(memory, i, faults)
+    measure(measurement, noise, sensors, measurement)
     apply_faults(memory, measurement, faults)
 
 
@@ -121,7 +119,7 @@ def move_with_parts(
     torque = mean_torque(memory, voltage, dt, parts.drive)
     vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
     sample = memory.moved - memory.pushed_from
-    push = with_tilt(push_at(sample, parts.pushes, parts.push_count), parts.tilt)
+    push = push_at(sample, parts.pushes, parts.push_count, parts.tilt)
     body = Body(
         model=model,
         variation=parts.variation,
@@ -136,25 +134,18 @@ def move_with_parts(
         advance_elastic(memory.x, torque, dt, body, parts.coupling)
     else:
         advance_with_parts(memory.x, torque, dt, substeps, body, law)
-        follow_arm(memory)
-
-
-@inlined
-def move_without_parts(memory: PlantMemory, voltage: float) -> None:
-    """Keep what the parts remember, so that they continue from here when they are switched on.
-
-    The plain rig has moved over a sample at ``voltage`` [V].
-    """
-    memory.voltages_from, memory.torque = memory.moved + 1, voltage
-    memory.heat = memory.level_change = 0.0
-    follow_arm(memory)
 
 
 @compiled
 def friction_with_parts(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> float:
     """Friction F [V] of the arm, and of its motor behind an elastic coupling."""
-    coupling, springs, variation = parts.coupling, parts.springs, parts.variation
-    if not coupling.on:
-        return varied_friction(memory, law, springs, variation)
-    arm = varied_friction(memory, coupling.arm_friction, springs, variation)
-    return arm + motor_friction(memory, springs, variation, coupling)
+    x, motor, coupling = memory.x, memory.motor, parts.coupling
+    change, variation = memory.level_change, parts.variation
+    if coupling.on:
+        law = coupling.arm_friction
+    arm_law = varied(law, x[PHI], change, variation)
+    friction = joint_friction(memory, x[PHI_DOT], x[BRISTLE], parts.springs, arm_law)
+    if coupling.on:
+        motor_law = varied(coupling.motor_friction, motor.angle, change, variation)
+        friction += joint_friction(motor, motor.speed, motor.bristle, parts.springs, motor_law)
+    return friction

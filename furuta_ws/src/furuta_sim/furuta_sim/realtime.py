@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from array import array
 from time import monotonic_ns
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
@@ -13,6 +13,7 @@ from furuta_ros.node import RARELY
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import QOS, TIMING
+from furuta_sim.simulated_plant import SimulatedPlant
 
 # Histograms count in bins of 1 µs. The last one [µs] also counts all longer durations.
 LAST_BIN = 20_000
@@ -75,7 +76,7 @@ class TimingCounts(NamedTuple):
 
 
 class RealTime:
-    """Moves the plant (:class:`furuta_sim.plant_node.PlantNode`) by a timer.
+    """Moves the plant by a timer.
 
     A sample without a new command uses the last one. When that is older than ``command_timeout``,
     the rig gets 0 V until the next command arrives. If the process is late by more than half a
@@ -83,7 +84,7 @@ class RealTime:
     then moved over all samples that are due, as a real rig would have moved.
     """
 
-    def __init__(self, plant: Any) -> None:
+    def __init__(self, plant: SimulatedPlant) -> None:
         reject_simulated_time(plant, REAL_TIME)
         self._plant = plant
         self._command = 0.0
@@ -99,7 +100,7 @@ class RealTime:
         plant.steady_timer(plant.parameters.plant.sample_time, self._tick)
         plant.steady_timer(TIMING_PERIOD, self._publish_timing)
 
-    def on_command(self, command: float) -> None:
+    def on_command(self, command: float, sent: int) -> None:
         """Keep the command until the next one."""
         now = monotonic_ns()
         if self._publish_time and not self._answered:

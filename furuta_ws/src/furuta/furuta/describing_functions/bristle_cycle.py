@@ -16,8 +16,8 @@ from math import cos, pi, sin, sinh, sqrt
 import numpy as np
 
 from furuta_model.compiled import compiled
-from furuta_model.friction.bristle import deflection_rate
 from furuta_model.friction.laws import FrictionLaw, symmetric_level
+from furuta_model.friction.lugre import deflection_rate
 from furuta_model.friction.parameters import SMALLEST_LEVEL
 
 # Steps per quarter cycle. The relative error of N is then about 1e-7, far less at usual amplitudes.

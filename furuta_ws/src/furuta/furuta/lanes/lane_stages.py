@@ -27,12 +27,11 @@ from furuta_control.modes import balance
 from furuta_friction.compensation import CompensationDesign, CompensationMemory, estimate_friction
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
-from furuta_model.converter import Actuator, drive
 from furuta_model.elementary import sin_cos
 from furuta_model.friction.laws import FrictionLaw, friction_force
 from furuta_model.integration import MAX_SUBSTEPS, advance_half, advance_whole, sufficient_substeps
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors, measure
+from furuta_model.sensors import Actuator, Sensors, drive, measure
 from furuta_model.state import APPLIED_TORQUE, BRISTLE, PHI_DOT, PLANT_STATES, SIGNALS, THETA
 from furuta_sim.plant import NOISE_CHANNELS
 

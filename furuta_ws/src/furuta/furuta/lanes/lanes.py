@@ -47,11 +47,10 @@ from furuta_friction.compensation import (
     that_stays,
 )
 from furuta_model.compiled import compiled, make_intrinsic
-from furuta_model.converter import Actuator
 from furuta_model.friction.laws import PAPER, FrictionLaw
 from furuta_model.parameters import OFF_AT_ZERO, SELECTS
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Actuator, Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 from furuta_sim.simulation.closed_loop import Loop
@@ -114,7 +113,7 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
     if samples < FEWEST_SAMPLES:
         return None
     plant = design_plant(loop.plant)
-    if plant.parts.any or plant.parts.faults.any:
+    if plant.parts.is_active or plant.parts.faults.is_active:
         return None
     moved = LanePlant(
         model=plant.model,

@@ -26,6 +26,7 @@ from furuta.limit_cycles.smooth_motion import (
     integrate,
 )
 from furuta_model.compiled import compiled
+from furuta_model.friction.laws import COULOMB, STICTION
 from furuta_model.state import BRISTLE, PHI
 
 LONGEST_SLIDE = 1000.0  # scaled time that an integration takes for one without end
@@ -68,7 +69,7 @@ def _follow_linear(
     trace: np.ndarray,
     loop: LinearLoop,
 ) -> tuple[int, float, int]:
-    if mode == 0.0 or loop.law.constant_level:
+    if mode == 0.0 or loop.law.kind in (COULOMB, STICTION):
         return follow_exactly(y, mode, time_limit, extent, trace, loop)
     limit = min(time_limit, LONGEST_SLIDE)
     ended, duration, rows = integrate(y, mode, limit, loop, False, extent, trace)
@@ -78,7 +79,7 @@ def _follow_linear(
 
 def state_after(y: np.ndarray, mode: float, time: float, loop: LinearLoop) -> np.ndarray:
     """The state ``time`` after ``y`` in the piece of motion ``mode``, which does not end before."""
-    if mode == 0.0 or loop.law.constant_level:
+    if mode == 0.0 or loop.law.kind in (COULOMB, STICTION):
         return moved_exactly(y, mode, time, loop)
     y = y.copy()
     integrate(y, mode, time, loop, False, extent_at(y), np.empty((0, len(y) + 1)))

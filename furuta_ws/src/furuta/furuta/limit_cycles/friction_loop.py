@@ -29,9 +29,8 @@ from furuta.limit_cycles import linear_loop, pendulum_loop
 from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta_model.compiled import compiled
-from furuta_model.friction.bristle import deflection_rate
 from furuta_model.friction.laws import breakaway_level, sliding_level
-from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.lugre import deflection_rate, highest_level
 from furuta_model.state import PHI_DOT
 
 FrictionLoop = IdealLoop | LinearLoop

@@ -16,7 +16,12 @@ import numpy as np
 
 from furuta_friction.compensator import Joint
 from furuta_model.compiled import inlined
-from furuta_model.friction.lugre import bristle_after, bristle_rate, highest_level
+from furuta_model.friction.lugre import (
+    deflection_rate,
+    highest_level,
+    stretched,
+    stribeck_level,
+)
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI, PHI_DOT
 
@@ -38,10 +43,11 @@ def estimate(memory: BristleMemory, x: np.ndarray, p: Joint) -> float:
 def observe(memory: BristleMemory, x: np.ndarray, p: Friction, joint: Joint) -> float:
     """Move ẑ by one sample and return F̂ [V], with the friction parameters ``p``."""
     v, correction = x[PHI_DOT], -joint.observer_gain * x[PHI]
-    z, _ = bristle_after(v, correction, memory.z, joint.sample_time, p)
+    level = stribeck_level(v, p)
+    z, _, _ = stretched(v, v + correction, memory.z, joint.sample_time, level, p)
     highest = highest_level(p)
     limit = highest / p.sigma0
     z = min(max(z, -limit), limit)
     memory.z = z
-    force = p.sigma0 * z + p.sigma1 * (bristle_rate(v, z, p) + correction)
+    force = p.sigma0 * z + p.sigma1 * (deflection_rate(v, abs(v), z, level, p) + correction)
     return min(max(force, -highest), highest) + p.viscous * v

@@ -11,8 +11,7 @@ import numpy as np
 from furuta_friction.compensator import Joint
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import inlined
-from furuta_model.friction.levels import direction_factor
-from furuta_model.friction.stiction import breakaway
+from furuta_model.friction.levels import direction_factor, static_level
 from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
 
 
@@ -24,7 +23,7 @@ def estimate(x: np.ndarray, p: Joint) -> float:
         return coulomb.estimate(x, p)
     if isnan(observed):
         return 0.0
-    level = breakaway(p.friction)
+    level = static_level(p.friction)
     backward, forward = (
         level * direction_factor(-1.0, p.friction),
         level * direction_factor(1.0, p.friction),

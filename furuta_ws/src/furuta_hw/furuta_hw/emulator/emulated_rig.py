@@ -17,12 +17,11 @@ from furuta_hw.rigs.channels import wrapped
 from furuta_hw.rigs.rig import Rig
 from furuta_model.block import block
 from furuta_model.compiled import for_types_of
-from furuta_model.converter import Actuator
 from furuta_model.parts.sensor_faults import sensed_state
+from furuta_model.sensors import Actuator
 from furuta_model.state import PHI, PHI_DOT, THETA
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
-from furuta_sim.plant import Noise, design_plant, initial_plant
-from furuta_sim.plant_blocks import move_block
+from furuta_sim.plant import Noise, design_plant, initial_plant, move_block
 
 
 def plant_of(rig: Rig, initial: InitialState | None = None, seed: int = 0) -> PlantParameters:

@@ -1,1 +1,1 @@
-"""Friction in the arm's joint: one file per law; :mod:`.laws` is the registry."""
+"""Friction in the arm's joint; :mod:`.laws` is the registry of the laws."""

@@ -1,6 +1,5 @@
 r"""Interface of a friction law.
 
-A law is a file in this folder that defines a :class:`Law` as ``PART``; :mod:`.laws` lists the file.
 The level g(v) is the magnitude of friction while the arm slides at speed v, without asymmetry:
 
 .. math:: F = ±g(v)(1 ± a) + σ_2 v

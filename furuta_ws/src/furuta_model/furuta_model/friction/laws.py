@@ -1,40 +1,68 @@
 """Registry of the friction laws, and their one interface for compiled code.
 
-==========  ==============================================  =====================
-law         sliding, v ≠ 0                                  breaks away beyond
-==========  ==============================================  =====================
-coulomb     α₀ sgn v, eq. (4)                               α₀
-stiction    α₀ sgn v                                        α₀ + α₁
-stribeck    (α₀ + α₁ exp(−(v/vs)²)) sgn v                   α₀ + α₁
-lugre       bristle dynamics, eq. (5); at steady speed the  (none: it creeps)
-            Stribeck curve
-==========  ==============================================  =====================
+============  ============================================  =====================
+law           sliding, v ≠ 0                                breaks away beyond
+============  ============================================  =====================
+coulomb       α₀ sgn v, eq. (4)                             α₀
+stiction      α₀ sgn v                                      α₀ + α₁
+stribeck      g(v) sgn v, g(v) = α₀ + α₁ exp(−(v/vs)²)      α₀ + α₁
+lugre         bristle dynamics, eq. (5); at steady speed    (none: it creeps)
+              that of stribeck
+dahl          eq. (5) with σ₁ = 0 and g(v) = α₀             (none: it creeps)
+maxwell_slip  springs, :mod:`.maxwell_slip`                 (none)
+============  ============================================  =====================
 
-Each law adds the viscous part σ₂v and the factor 1 ± asymmetry by direction. To add a law, write
-its file and add its name to :mod:`.names`, or give a function (:mod:`furuta_model.own_functions`).
+Each law adds the viscous part σ₂v and the factor 1 ± asymmetry by direction. Dahl friction depends
+on the path alone, not on the speed along it. It is Dahl's model with exponent 1 (P. R. Dahl, *A
+solid friction model*, The Aerospace Corporation, 1968). To add a law, add it to :mod:`.names` and
+here, or give a function (:mod:`furuta_model.own_functions`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numba
 
 from furuta_model.accepted_parts import accepted_part
-from furuta_model.compiled import by_kind, inlined
-from furuta_model.friction.bristle import force, stretched
+from furuta_model.compiled import inlined
 from furuta_model.friction.law import Law
-from furuta_model.friction.levels import copied, direction_factor
+from furuta_model.friction.levels import (
+    copied,
+    coulomb_level,
+    direction_factor,
+    static_level,
+    stribeck_curve,
+    stribeck_fundamental,
+    stribeck_mean,
+    stribeck_slope,
+)
+from furuta_model.friction.lugre import force, stretched
 from furuta_model.friction.names import ANALYSED_LAWS, LAWS
 from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import address_of, call_own, own_function
 from furuta_model.parameters import SELECTS, ParameterError
-from furuta_model.registry import parts_in
 
-ALL: tuple[Law, ...] = parts_in("furuta_model.friction", LAWS)
-# Kind of a law of the user's own.
-OWN = len(ALL)
+_STRIBECK = Law(
+    "stribeck",
+    stribeck_curve,
+    static_level,
+    fundamental=stribeck_fundamental,
+    mean=stribeck_mean,
+    slope=stribeck_slope,
+)
+# In the order of LAWS.
+ALL: tuple[Law, ...] = (
+    Law("coulomb", coulomb_level, constant=True),
+    Law("stiction", coulomb_level, static_level, constant=True),
+    _STRIBECK,
+    _STRIBECK._replace(name="lugre", bristle=True),
+    Law("dahl", coulomb_level, bristle=True, damped=False, constant=True),
+    _STRIBECK._replace(name="maxwell_slip", bristle=True, damped=False, springs=True),
+)
+# Kinds of laws; OWN is a law of the user's own.
+COULOMB, STICTION, STRIBECK, LUGRE, DAHL, MAXWELL_SLIP, OWN = range(7)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
 # Largest parameter of a joint in units of its own, such as N, m and s.
@@ -43,24 +71,20 @@ LARGEST = 1e12
 FALLING = ("stribeck", "lugre", "maxwell_slip")
 # The paper's parameters.
 PAPER = Friction()
-_level = by_kind([law.level for law in ALL])
-_breakaway = by_kind([law.breakaway for law in ALL if law.breakaway is not None])
 
 
 class FrictionLaw(NamedTuple):
     """A law (index into :data:`LAWS`) with its parameters, for compiled code; by default LuGre.
 
     ``level`` and ``breakaway`` are the addresses of an own law's functions. With ``bristle`` the
-    arm moves a bristle before it slides, or ``springs``; otherwise it truly sticks. With
-    ``constant_level`` it truly sticks, and slides at a level that does not depend on its speed.
+    arm moves a bristle before it slides, or ``springs``; otherwise it truly sticks.
     """
 
-    kind: Annotated[int, SELECTS] = LAWS.index("lugre")
+    kind: Annotated[int, SELECTS] = LUGRE
     parameters: Friction = PAPER
     level: int = 0
     breakaway: int = 0
     bristle: Annotated[bool, SELECTS] = True
-    constant_level: Annotated[bool, SELECTS] = False
     springs: Annotated[bool, SELECTS] = False
 
     @property
@@ -87,8 +111,7 @@ def friction_law(name: str, parameters: Friction = PAPER) -> FrictionLaw:
     if not law.damped:
         parameters = parameters._replace(sigma1=0.0)
     kind, addresses = (LAWS.index(name), (0, 0)) if name in LAWS else (OWN, _addresses(law))
-    constant = law.constant and not law.bristle and name in LAWS
-    return FrictionLaw(kind, parameters, *addresses, law.bristle, constant, law.springs)
+    return FrictionLaw(kind, parameters, *addresses, law.bristle, law.springs)
 
 
 def find_law(name: str) -> Law:
@@ -113,7 +136,7 @@ def _addresses(law: Law) -> tuple[int, int]:
     return level, address_of(law.breakaway, parameters)
 
 
-def _level_at_rest(level: Any) -> Callable[[Friction], float]:
+def _level_at_rest(level: Callable[[float, Friction], float]) -> Callable[[Friction], float]:
     """The breakaway level of a law that has none of its own: g(0)."""
     return lambda p: level(0.0, p)
 
@@ -150,7 +173,9 @@ def symmetric_level(v: float, law: FrictionLaw) -> float:
     """Level [V] at sliding speed v [rad/s], without asymmetry and viscous part."""
     if law.kind == OWN:
         return call_own(law.level, (v, copied(law.parameters)))
-    return _level(law.kind, v, law.parameters)
+    if law.kind == COULOMB or law.kind == STICTION or law.kind == DAHL:  # noqa: PLR1714 (C export)
+        return coulomb_level(v, law.parameters)
+    return stribeck_curve(v, law.parameters)
 
 
 @inlined
@@ -169,7 +194,9 @@ def breakaway_level(direction: float, law: FrictionLaw) -> float:
     factor = direction_factor(direction, law.parameters)
     if law.kind == OWN:
         return call_own(law.breakaway, (copied(law.parameters),)) * factor
-    return _breakaway(law.kind, law.parameters) * factor
+    if law.kind == COULOMB or law.kind == DAHL:  # noqa: PLR1714 (C export)
+        return coulomb_level(0.0, law.parameters) * factor
+    return static_level(law.parameters) * factor
 
 
 @inlined

@@ -1,7 +1,64 @@
-"""Levels of friction by direction, and in other parameters, for compiled code."""
+r"""Levels of friction: of the laws, by direction, and changed; for compiled code.
+
+Coulomb friction, eq. (4), has the level α₀ at any speed, and the arm sticks up to the same level.
+With stiction it sticks up to α₀ + α₁. At a sinusoidal speed both are equal, because the speed is
+zero only for an instant. Stribeck friction falls from α₀ + α₁ at rest to α₀ above the Stribeck
+velocity:
+
+.. math:: g(v) = α_0 + α_1 e^{-(v/v_s)^2}
+"""
+
+import numpy as np
 
 from furuta_model.compiled import inlined
+from furuta_model.elementary import exp
 from furuta_model.friction.parameters import Friction
+
+# Above this (v/vs)² the stiction term is below the rounding of α₀.
+LARGE_RATIO = 50.0
+
+
+@inlined
+def coulomb_level(v: float, p: Friction) -> float:
+    """α₀ [V] at any speed v [rad/s]."""
+    return p.alpha0
+
+
+@inlined
+def static_level(p: Friction) -> float:
+    """α₀ + α₁ [V], the level of stiction."""
+    return p.alpha0 + p.alpha1
+
+
+@inlined
+def stribeck_curve(v: float, p: Friction) -> float:
+    """α₀ + α₁ exp(−(v/vs)²) [V] at speed v [rad/s]."""
+    ratio = v / p.stribeck_velocity
+    if ratio * ratio > LARGE_RATIO:
+        return p.alpha0
+    return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
+
+
+def stribeck_fundamental(amplitude: float, p: Friction) -> float:
+    """∫ g(A sin x) sin x dx over a quarter cycle [V]: Dawson's integral."""
+    from scipy.special import dawsn  # noqa: PLC0415 - nodes, which never need it, start sooner
+
+    ratio = amplitude / p.stribeck_velocity
+    return p.alpha0 + p.alpha1 * float(dawsn(ratio)) / ratio
+
+
+def stribeck_mean(amplitude: float, p: Friction) -> float:
+    """Mean of g(A sin x) over a cycle [V]: a modified Bessel function."""
+    from scipy.special import i0e  # noqa: PLC0415 - nodes, which never need it, start sooner
+
+    ratio = amplitude / p.stribeck_velocity
+    return p.alpha0 + p.alpha1 * float(i0e(0.5 * ratio * ratio))
+
+
+def stribeck_slope(v: float, p: Friction) -> float:
+    """dg/dv [V s/rad] at v > 0 [rad/s]."""
+    ratio = v / p.stribeck_velocity
+    return float(-2.0 * abs(ratio) / p.stribeck_velocity * p.alpha1 * np.exp(-ratio * ratio))
 
 
 @inlined

@@ -19,10 +19,8 @@ At constant speed a spring stretches linearly until it slips, so each step is ex
 """
 
 from furuta_model.compiled import compiled
-from furuta_model.friction import stribeck
 from furuta_model.friction.parameters import SMALLEST_LEVEL, Friction
 
-PART = stribeck.PART._replace(name="maxwell_slip", bristle=True, damped=False, springs=True)
 # Largest number of springs.
 MAX_SPRINGS = 8
 

@@ -1,4 +1,4 @@
-"""Names of the friction laws, each that of its file; help shows them without compiled code."""
+"""Names of the friction laws; help shows them without compiled code."""
 
 # Laws for which describing functions and exact limit cycles are defined.
 ANALYSED_LAWS = (

@@ -23,26 +23,15 @@ import numpy as np
 
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
-from furuta_model.friction.laws import (
-    FrictionLaw,
-    bristle_force,
-    friction_force,
-    sticking_force,
-)
+from furuta_model.friction.laws import FrictionLaw, sticking_force
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import first_half_rule, sufficient_substeps, whole_rule
 from furuta_model.parameters import About, ParameterError
 from furuta_model.parts.motion import Body, Cogging, arm_stage, cogging_torque
-from furuta_model.parts.plant_memory import MotorMemory, PlantMemory
-from furuta_model.parts.varied_friction import (
-    FrictionVariation,
-    keep_springs,
-    springs_force,
-    springs_friction,
-    varied,
-)
+from furuta_model.parts.plant_memory import MotorMemory
+from furuta_model.parts.varied_friction import keep_springs, presliding_force, varied
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA
+from furuta_model.state import PHI, PHI_DOT, THETA
 
 SIDES = ("arm", "motor")
 # Largest angle of the coupling's vibration [rad], and of a bristle's, in a substep. The error of
@@ -214,13 +203,6 @@ def advance_elastic(x: np.ndarray, u: float, dt: float, rig: Body, p: ElasticRig
 
 
 @inlined
-def follow_arm(memory: PlantMemory) -> None:
-    """Move the motor with the arm: their coupling is rigid."""
-    motor, x = memory.motor, memory.x
-    motor.angle, motor.speed, motor.bristle = x[PHI], x[PHI_DOT], x[BRISTLE]
-
-
-@inlined
 def _substep(
     x: np.ndarray, u: float, h: float, body: Body, cogging: Cogging, p: ElasticRig
 ) -> None:
@@ -246,34 +228,12 @@ def _motor_stage(
     motor: MotorMemory, angle: float, v: float, torque: float, h: float, body: Body, p: ElasticRig
 ) -> tuple[float, float]:
     """Acceleration [rad/s²] at speed v, and the law's memory after ``h`` [s]."""
-    law = _motor_law(body.memory, angle, body.variation, p)
+    law = varied(p.motor_friction, angle, body.memory.level_change, body.variation)
     torque -= law.parameters.viscous * v
-    if law.springs:
-        friction, end = springs_force(motor, v, h, body.springs, law)
-    elif law.bristle:
-        friction, end = bristle_force(v, motor.bristle, h, law)
+    if law.bristle:
+        friction, end = presliding_force(motor, v, motor.bristle, h, body.springs, law)
     else:
         holding = p.inertia * motor.speed / h + torque
         friction = sticking_force(v, motor.speed, holding, law)
         end = friction
     return (torque - friction) / p.inertia, end
-
-
-@inlined
-def _motor_law(
-    memory: PlantMemory, angle: float, variation: FrictionVariation, p: ElasticRig
-) -> FrictionLaw:
-    return varied(p.motor_friction, angle, memory.level_change, variation)
-
-
-@inlined
-def motor_friction(
-    memory: PlantMemory, springs: int, variation: FrictionVariation, p: ElasticRig
-) -> float:
-    """Friction [V] of the motor, with viscous part."""
-    motor = memory.motor
-    law = _motor_law(memory, motor.angle, variation, p)
-    if law.springs:
-        force = springs_friction(motor, motor.speed, springs, law)
-        return force + law.parameters.viscous * motor.speed
-    return friction_force(motor.speed, motor.bristle, law)

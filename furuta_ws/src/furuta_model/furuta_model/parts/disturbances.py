@@ -23,7 +23,8 @@ from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.parameters import About, ParameterError
 
-MAX_PUSHES, MAX_WAVES = 16, 16
+# Most pushes, and most waves.
+LONGEST = 16
 # Columns of the profile: first sample, first sample after the end, and the four sizes.
 FIRST, AFTER, ARM, PENDULUM, BASE_X, BASE_Y = range(6)
 # Columns of a wave.
@@ -49,30 +50,43 @@ class Pushes(NamedTuple):
     def check(self) -> None:
         """Reject lists of different lengths."""
         lengths = {name: len(given) for name, given in self._asdict().items() if len(given) > 1}
-        if len(set(lengths.values())) > 1:
-            listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise ParameterError(f"lists of pushes must have one length, or 1; given {listed}")
-        if max(lengths.values(), default=1) > MAX_PUSHES:
-            raise ParameterError(
-                f"at most {MAX_PUSHES} pushes are possible, given {max(lengths.values())}"
-            )
+        _check_lengths("pushes", "one length, or 1", lengths)
 
     @property
     def number(self) -> int:
         """Number of pushes; 0 if none pushes."""
-        if not any(any(sizes) for sizes in self[2:]):
-            return 0
-        return max(map(len, self))
+        sizes = self.arm, self.pendulum, self.base_x, self.base_y
+        return max(map(len, self)) if any(map(any, sizes)) else 0
 
     def profile(self, dt: float) -> np.ndarray:
-        """The pushes as an array (:data:`MAX_PUSHES`, 6) in samples of ``dt`` [s]."""
-        table = np.zeros((MAX_PUSHES, 6))
+        """The pushes as an array (:data:`LONGEST`, 6) in samples of ``dt`` [s]."""
+        table = np.zeros((LONGEST, 6))
         rows = table[: self.number]
         for column, given in enumerate(self):
             rows[:, column] = given if len(given) > 1 else given[0]
-        rows[:, AFTER] = np.rint((rows[:, FIRST] + rows[:, AFTER]) / dt)
-        rows[:, FIRST] = np.rint(rows[:, FIRST] / dt)
+        starts, durations = rows[:, FIRST], rows[:, AFTER]
+        rows[:, AFTER] = np.rint((starts + durations) / dt)
+        rows[:, FIRST] = np.rint(starts / dt)
         return table
+
+
+def _check_lengths(kind: str, rule: str, lengths: dict[str, int]) -> None:
+    """Reject lists of different lengths, and too long ones."""
+    if len(set(lengths.values())) > 1:
+        listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
+        raise ParameterError(f"lists of {kind} must have {rule}; given {listed}")
+    if max(lengths.values(), default=0) > LONGEST:
+        number = max(lengths.values())
+        raise ParameterError(f"at most {LONGEST} {kind} are possible, given {number}")
+
+
+class Tilt(NamedTuple):
+    """Components of the upward vertical in the plane of the arm."""
+
+    x: Annotated[float, About("tilt of the base, along the arm at angle 0", "rad", -0.5, 0.5)] = 0.0
+    y: Annotated[float, About("tilt of the base, across the arm at angle 0", "rad", -0.5, 0.5)] = (
+        0.0
+    )
 
 
 class Push(NamedTuple):
@@ -85,8 +99,8 @@ class Push(NamedTuple):
 
 
 @inlined
-def push_at(sample: float, profile: np.ndarray, count: int) -> Push:
-    """The sum of the pushes in a sample."""
+def push_at(sample: float, profile: np.ndarray, count: int, tilt: Tilt) -> Push:
+    """The sum of the pushes in a sample, with the tilt as an acceleration of the base."""
     arm = pendulum = base_x = base_y = 0.0
     for k in range(count):
         if profile[k, FIRST] <= sample < profile[k, AFTER]:
@@ -94,7 +108,7 @@ def push_at(sample: float, profile: np.ndarray, count: int) -> Push:
             pendulum += profile[k, PENDULUM]
             base_x += profile[k, BASE_X]
             base_y += profile[k, BASE_Y]
-    return Push(arm, pendulum, base_x, base_y)
+    return Push(arm, pendulum, base_x + tilt.x, base_y + tilt.y)
 
 
 @compiled
@@ -109,21 +123,6 @@ def push_torques(
     return p.arm + arm, p.pendulum - delta * cosine * (p.base_y * along - p.base_x * across)
 
 
-class Tilt(NamedTuple):
-    """Components of the upward vertical in the plane of the arm."""
-
-    x: Annotated[float, About("tilt of the base, along the arm at angle 0", "rad", -0.5, 0.5)] = 0.0
-    y: Annotated[float, About("tilt of the base, across the arm at angle 0", "rad", -0.5, 0.5)] = (
-        0.0
-    )
-
-
-@compiled
-def with_tilt(push: Push, p: Tilt) -> Push:
-    """The push with the tilt as an acceleration of the base."""
-    return Push(push.arm, push.pendulum, push.base_x + p.x, push.base_y + p.y)
-
-
 class TorqueWaves(NamedTuple):
     """The waves: three lists of one length."""
 
@@ -136,11 +135,7 @@ class TorqueWaves(NamedTuple):
     def check(self) -> None:
         """Reject lists of different lengths, and too many waves."""
         lengths = {name: len(given) for name, given in self._asdict().items()}
-        if len(set(lengths.values())) > 1:
-            listed = ", ".join(f"{name} {length}" for name, length in lengths.items())
-            raise ParameterError(f"lists of waves must have one length; given {listed}")
-        if len(self.orders) > MAX_WAVES:
-            raise ParameterError(f"at most {MAX_WAVES} waves are possible, given {lengths}")
+        _check_lengths("waves", "one length", lengths)
 
     @property
     def table(self) -> np.ndarray:

@@ -7,7 +7,7 @@ exact. Within a sample the torque is constant; the error is that of a delay far 
 from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import compiled, inlined
-from furuta_model.friction.bristle import decay_fractions
+from furuta_model.friction.lugre import decay_fractions
 from furuta_model.parameters import About
 from furuta_model.parts.plant_memory import DELAY_SLOTS, MAX_DELAY, PlantMemory
 

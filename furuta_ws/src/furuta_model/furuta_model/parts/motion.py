@@ -12,25 +12,19 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled, inlined
-from furuta_model.friction.laws import (
-    FrictionLaw,
-    bristle_force,
-    friction_force,
-    sticking_force,
-)
-from furuta_model.integration import integrator
+from furuta_model.friction.laws import FrictionLaw, sticking_force
+from furuta_model.integration import Point, integrator
 from furuta_model.parameters import About
 from furuta_model.parts.disturbances import Push, push_torques, wave_torque
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.varied_friction import (
     FrictionVariation,
     keep_springs,
-    springs_force,
-    springs_friction,
+    presliding_force,
     varied,
 )
 from furuta_model.pendulum import FurutaPendulum, accelerations_at
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, THETA_DOT
+from furuta_model.state import THETA_DOT
 
 # Most iterations for two sticking joints; the paper's rig needs 24 for all bits.
 MOST_ITERATIONS = 200
@@ -66,20 +60,10 @@ class Body(NamedTuple):
 
 @inlined
 def arm_stage(
-    phi: float,
-    v: float,
-    theta: float,
-    sine: float,
-    cosine: float,
-    w: float,
-    start_speed: float,
-    u: float,
-    memory: float,
-    h: float,
-    body: Body,
-    law: FrictionLaw,
+    at: Point, start_speed: float, u: float, memory: float, h: float, body: Body, law: FrictionLaw
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
+    phi, v, sine, cosine, w = at
     model, joint_friction = body.model, body.pendulum_friction
     law = varied(law, phi, body.memory.level_change, body.variation)
     arm, joint = push_torques(phi, sine, cosine, model.delta, body.push)
@@ -88,11 +72,8 @@ def arm_stage(
     joint -= joint_friction.damping * w
     arm_sticks = not law.bristle
     end = 0.0
-    if law.springs:
-        friction, end = springs_force(body.memory, v, h, body.springs, law)
-        torque -= friction
-    elif not arm_sticks:
-        friction, end = bristle_force(v, memory, h, law)
+    if not arm_sticks:
+        friction, end = presliding_force(body.memory, v, memory, h, body.springs, law)
         torque -= friction
     v_dot, w_dot = accelerations_at(v, sine, cosine, w, torque, model)
     # Accelerations per torque: (1) has no torque on the joint.
@@ -171,15 +152,3 @@ def _keep(body: Body) -> None:
 
 
 advance_with_parts = integrator(arm_stage, _keep)
-
-
-@inlined
-def varied_friction(
-    memory: PlantMemory, law: FrictionLaw, springs: int, variation: FrictionVariation
-) -> float:
-    """Friction F [V] of the arm, with viscous part."""
-    law = varied(law, memory.x[PHI], memory.level_change, variation)
-    v = memory.x[PHI_DOT]
-    if law.springs:
-        return springs_friction(memory, v, springs, law) + law.parameters.viscous * v
-    return friction_force(v, memory.x[BRISTLE], law)

@@ -35,20 +35,18 @@ class SensorFaults(NamedTuple):
 
 
 class FaultySensors(NamedTuple):
-    """The faults, as compiled code uses them; ``stuck_from`` [readings].
+    """The faults, as compiled code uses them; ``stuck_from`` [readings], ``bias`` of x (4,).
 
     ``on_motor``: encoder and tachometer are on the motor's side of an elastic coupling.
     ``speed_rate`` [1/s] is the share of a new value in the filtered speed, over the sample time.
     """
 
-    any: bool
+    is_active: bool
     delay: int
     missing: float
     stuck: int
     stuck_from: float
-    arm_bias: float
-    arm_speed_bias: float
-    pendulum_bias: float
+    bias: np.ndarray
     speed_share: float
     speed_rate: float
     on_motor: bool
@@ -64,9 +62,7 @@ def design_faults(p: SensorFaults, on_motor: bool, dt: float, seed: int) -> Faul
         p.missing,
         SIGNALS_OF_SENSORS[SENSORS.index(p.stuck)],
         round(p.stuck_from / dt),
-        p.arm_bias,
-        p.arm_speed_bias,
-        p.pendulum_bias,
+        np.array([p.arm_bias, p.arm_speed_bias, p.pendulum_bias, 0.0]),
         share,
         share / dt,
         on_motor,
@@ -91,14 +87,7 @@ def faulty_state(memory: PlantMemory, i: int, p: FaultySensors) -> float:
     first = memory.states_from
     if p.delay > 0 and memory.readings > first:
         value = memory.states[max(memory.readings - p.delay, first) % DELAY_SLOTS, i]
-    bias = 0.0
-    if i == PHI:
-        bias = p.arm_bias
-    elif i == PHI_DOT:
-        bias = p.arm_speed_bias
-    elif i == THETA:
-        bias = p.pendulum_bias
-    return value + bias
+    return value + p.bias[i]
 
 
 @inlined

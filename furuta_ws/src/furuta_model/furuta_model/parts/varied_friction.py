@@ -15,7 +15,12 @@ from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import exp
-from furuta_model.friction.laws import FrictionLaw, sliding_level
+from furuta_model.friction.laws import (
+    FrictionLaw,
+    bristle_force,
+    friction_force,
+    sliding_level,
+)
 from furuta_model.friction.levels import with_levels
 from furuta_model.friction.maxwell_slip import slip_deflection, stretched
 from furuta_model.parameters import About
@@ -80,20 +85,21 @@ def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) ->
         law.level,
         law.breakaway,
         law.bristle,
-        law.constant_level,
         law.springs,
     )
 
 
 @inlined
-def springs_force(
-    memory: SpringMemory, v: float, h: float, springs: int, law: FrictionLaw
+def presliding_force(
+    memory: SpringMemory, v: float, z: float, h: float, springs: int, law: FrictionLaw
 ) -> tuple[float, float]:
-    """Mean friction [V] of the springs over ``h`` [s] at speed v [rad/s], without viscous part.
+    """Mean friction [V] of bristle or springs over ``h`` [s] at speed v [rad/s], without σ₂v.
 
-    Exact for constant v. Also returns their mean deflection at the end [rad]; the deflections are
-    kept for :func:`keep_springs`.
+    Exact for constant v. ``z`` is the deflection of the bristle [rad]. Also returns the deflection
+    at the end [rad], of springs the mean one; theirs are kept for :func:`keep_springs`.
     """
+    if not law.springs:
+        return bristle_force(v, z, h, law)
     p = law.parameters
     level = sliding_level(v, v, law)
     end = mean = 0.0
@@ -107,14 +113,21 @@ def springs_force(
 
 @inlined
 def keep_springs(memory: SpringMemory, springs: int) -> None:
-    """Take the deflections that :func:`springs_force` computed last."""
+    """Take the deflections that :func:`presliding_force` computed last."""
     for i in range(springs):
         memory.springs[i] = memory.next_springs[i]
 
 
 @inlined
-def springs_friction(memory: SpringMemory, v: float, springs: int, law: FrictionLaw) -> float:
-    """Friction [V] of the springs at speed v [rad/s], without viscous part."""
+def joint_friction(
+    memory: SpringMemory, v: float, z: float, springs: int, law: FrictionLaw
+) -> float:
+    """Friction F [V] of arm or motor at speed v [rad/s], with viscous part.
+
+    ``z`` is the state of a law without springs (:func:`furuta_model.friction.laws.friction_force`).
+    """
+    if not law.springs:
+        return friction_force(v, z, law)
     p = law.parameters
     level = sliding_level(v, v, law)
     force = 0.0
@@ -125,4 +138,4 @@ def springs_friction(memory: SpringMemory, v: float, springs: int, law: Friction
         elif v < 0.0:
             z = max(z, -slip)
         force += p.sigma0 * z
-    return force / springs
+    return force / springs + p.viscous * v

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.converter import Actuator
 from furuta_model.parameters import ParameterError, build
+from furuta_model.sensors import Actuator
 from furuta_recordings.bags.bag import Bag, last_part, parameter_file_of
 from furuta_recordings.bags.series import JOINT_STATE_TYPE, STATE_TYPES, Series, read_series
 from furuta_recordings.readers.assembly import Joint, recording_of

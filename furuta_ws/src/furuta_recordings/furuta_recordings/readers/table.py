@@ -8,8 +8,8 @@ from zipfile import ZipFile, is_zipfile
 
 import numpy as np
 
-from furuta_model.converter import Actuator
 from furuta_model.parameters import ParameterError, build
+from furuta_model.sensors import Actuator
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.csv_columns import Table
 from furuta_recordings.readers.assembly import Joint, recording_of

@@ -85,12 +85,13 @@ def _check_constant(before: Loop, loop: Loop) -> None:
     """Reject other values of parameters that are only read at the start."""
     if before == loop:
         return
-    for part, old, new in zip(PARTS, before, loop, strict=True):
-        former, given = values(old), values(new)
-        for name in (each.name for each in declared(type(old)) if each.about.read_only):
-            if given[name] != former[name]:
+    former, given = _named(before), _named(loop)
+    for part, group in zip(PARTS, loop, strict=True):
+        for each in declared(type(group)):
+            name = f"{part}.{each.name}"
+            if each.about.read_only and given[name] != former[name]:
                 raise ParameterError(
-                    f"{part}.{name} is {former[name]:g} for the whole simulation, given "
+                    f"{name} is {former[name]:g} for the whole simulation, given "
                     f"{given[name]:g}; make another Simulation"
                 )
 

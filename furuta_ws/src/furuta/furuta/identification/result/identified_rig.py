@@ -15,12 +15,11 @@ from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSenso
 from furuta_hw.rigs.rig import Rig, RigLine
 from furuta_hw.rigs.rig_file import load_rig, rig_file_text
 from furuta_hw.rigs.uncertainty import ABSOLUTE, NAMES, Uncertainty, wave_values
-from furuta_model.converter import Actuator
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import build
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
 from furuta_model.parts.motion import PendulumFriction
-from furuta_model.sensors import Sensors
+from furuta_model.sensors import Actuator, Sensors
 from furuta_recordings.bags.bag import parameter_file_of
 from furuta_recordings.recording import Recording
 from furuta_ros.parameter_files import read_sections

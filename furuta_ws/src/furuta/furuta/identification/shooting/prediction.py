@@ -13,10 +13,10 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos, tanh
-from furuta_model.friction.laws import LAWS, FrictionLaw, bristle_force
+from furuta_model.friction.laws import LUGRE, FrictionLaw, bristle_force
 from furuta_model.friction.parameters import Friction
-from furuta_model.integration import integrator, substeps_for
-from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque, with_tilt
+from furuta_model.integration import Point, integrator, substeps_for
+from furuta_model.parts.disturbances import Push, Tilt, push_torques, wave_torque
 from furuta_model.parts.motion import PendulumFriction, mobilities
 from furuta_model.pendulum import FurutaPendulum, accelerations_at
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
@@ -28,7 +28,6 @@ JOINT_SPEED = 0.05
 LONGEST_STEP = 1e-3
 # Shortest step [s]: a model that needs a shorter one does not describe a real rig.
 SHORTEST_STEP = 3e-5
-LUGRE = LAWS.index("lugre")
 # Speed [rad/s] that no rig reaches: beyond it a simulation has diverged.
 DIVERGED = 1e4
 # Rounding error of differences between large times, as a part of a step.
@@ -57,7 +56,7 @@ def rig_accelerations(
     phi: float, v: float, sine: float, cosine: float, w: float, torque: float, rig: RigModel
 ) -> tuple[float, float]:
     """(φ̈, θ̈) [rad/s²]; ``torque`` is u − F of the arm [V], sine and cosine are those of θ."""
-    tilted = with_tilt(Push(0.0, 0.0, 0.0, 0.0), rig.tilt)
+    tilted = Push(0.0, 0.0, rig.tilt.x, rig.tilt.y)
     arm, joint = push_torques(phi, sine, cosine, rig.body.delta, tilted)
     joint -= rig.pendulum_friction.damping * w
     if rig.pendulum_friction.coulomb != 0.0:
@@ -71,12 +70,7 @@ def rig_accelerations(
 
 @inlined
 def _stage(
-    phi: float,
-    v: float,
-    theta: float,
-    sine: float,
-    cosine: float,
-    w: float,
+    at: Point,
     start_speed: float,
     u: float,
     memory: float,
@@ -85,6 +79,7 @@ def _stage(
     law: FrictionLaw,
 ) -> tuple[float, float, float]:
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
+    phi, v, sine, cosine, w = at
     friction, end = bristle_force(v, memory, h, law)
     torque = u - law.parameters.viscous * v - friction
     v_dot, w_dot = rig_accelerations(phi, v, sine, cosine, w, torque, rig)
@@ -97,7 +92,7 @@ _advance = integrator(_stage)
 @compiled
 def move(x: np.ndarray, u: float, dt: float, steps: int, rig: RigModel) -> None:
     """Move ``x`` (5,), in place, over ``dt`` [s] under ``u`` [V] by the plant's integrator."""
-    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction, 0, 0, True, False, False))
+    _advance(x, u, dt, steps, rig, FrictionLaw(LUGRE, rig.friction, 0, 0, True, False))
 
 
 def longest_step(rig: RigModel) -> float:

@@ -12,7 +12,7 @@ from numpy.polynomial.polynomial import polyfit
 from furuta.identification.regression.speeds import with_speeds
 from furuta.identification.shooting.unknowns import ParameterValues
 from furuta_model.compiled import compiled
-from furuta_model.friction.lugre import bristle_after, highest_level
+from furuta_model.friction.lugre import highest_level, stretched, stribeck_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, RIGID_STATES, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
@@ -96,7 +96,8 @@ def bristle_along(time: np.ndarray, v: np.ndarray, friction: Friction) -> np.nda
     limit = highest_level(friction) / friction.sigma0
     for k in range(len(time) - 1):
         mean = 0.5 * (v[k] + v[k + 1])
-        end, _ = bristle_after(mean, 0.0, z[k], time[k + 1] - time[k], friction)
+        dt, level = time[k + 1] - time[k], stribeck_level(mean, friction)
+        end, _, _ = stretched(mean, mean, z[k], dt, level, friction)
         z[k + 1] = min(max(end, -limit), limit)
     return z
 
