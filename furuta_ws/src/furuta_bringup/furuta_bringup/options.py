@@ -17,8 +17,8 @@ from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
+from furuta_ros.one_graph import full_namespace
 from furuta_ros.time_stamps import MOST_SECONDS
-from furuta_ros.topic_names import full_namespace
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

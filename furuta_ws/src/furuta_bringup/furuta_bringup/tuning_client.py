@@ -16,8 +16,9 @@ from furuta_bringup.graph.services import ServiceError
 from furuta_model.parameters import build, declared
 from furuta_model.state import SIGNALS
 from furuta_ros.messages import read_joint_state
+from furuta_ros.node import deep
 from furuta_ros.spinning import SPIN_TIMEOUT
-from furuta_ros.topics import JOINT_STATES, deep
+from furuta_ros.topics import JOINT_STATES
 
 # Longest wait for the next estimate [s].
 TIMEOUT = 10.0
@@ -35,7 +36,7 @@ class EstimateBuffer:
     def __init__(self, node: Node) -> None:
         self.waiting: deque[bytes] = deque(maxlen=BUFFER_SIZE)
         node.create_subscription(
-            JOINT_STATES.type, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE), raw=True
+            JOINT_STATES.message, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE), raw=True
         )
 
     def _receive(self, message: bytes) -> None:

@@ -17,6 +17,8 @@ from furuta_ros.time_stamps import stamp_nanoseconds
 from furuta_ros.topics import JOINTS
 from furuta_ros.wire import ENCODING, FLOAT64, Signals, unpack_joint_state
 
+NAMES = list(JOINTS)
+
 
 class RefusedError(ValueError):
     """A message is invalid; the error says why."""
@@ -31,17 +33,17 @@ def typed_joint_state(data: bytes) -> tuple[int, Signals]:
     """
     message: JointState = deserialized(data, JointState)
     position, velocity, efforts = message.position, message.velocity, message.effort
-    if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
+    if len(position) != len(NAMES) or len(velocity) != len(NAMES):
         raise RefusedError(
-            f"needs position and velocity of {JOINTS}, given {len(position)} positions and "
+            f"needs position and velocity of {NAMES}, given {len(position)} positions and "
             f"{len(velocity)} velocities"
         )
-    if len(efforts) not in (0, len(JOINTS)):
-        raise RefusedError(f"needs effort of {JOINTS} or none, given {len(efforts)}")
-    if sorted(message.name) != JOINTS:
+    if len(efforts) not in (0, len(NAMES)):
+        raise RefusedError(f"needs effort of {NAMES} or none, given {len(efforts)}")
+    if sorted(message.name) != NAMES:
         given = shortened(list(message.name))
-        raise RefusedError(f"joint names must be {JOINTS}, given {given}")
-    arm, pendulum = map(message.name.index, JOINTS)
+        raise RefusedError(f"joint names must be {NAMES}, given {given}")
+    arm, pendulum = map(message.name.index, NAMES)
     of_arm, of_pendulum = (position[arm], velocity[arm]), (position[pendulum], velocity[pendulum])
     return stamp_nanoseconds(message), (*of_arm, *of_pendulum, efforts[arm] if efforts else nan)
 

@@ -1,4 +1,4 @@
-"""One graph in a namespace and domain: a second one on this computer does not start.
+"""A graph has a namespace and a domain; a second one there does not start on this computer.
 
 Discovery cannot tell in time: it may take seconds until a node lists those of another process.
 """
@@ -6,9 +6,11 @@ Discovery cannot tell in time: it may take seconds until a node lists those of a
 from __future__ import annotations
 
 import os
+import re
 import socket
 from typing import TYPE_CHECKING
 
+from furuta_model.parameters import ParameterError
 from furuta_ros.discovery import is_private
 from furuta_ros.errors import UserError
 
@@ -61,3 +63,15 @@ def namespace_option(namespace: str) -> str:
     """What a command for the graph of a namespace ends with."""
     name = namespace.strip("/")
     return f" --namespace {name}" if name else ""
+
+
+def full_namespace(name: str) -> str:
+    """The namespace with its leading slash, or empty; raises ParameterError if it is not valid."""
+    bare = name.strip("/")
+    if not bare:
+        return ""
+    if not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", bare, re.ASCII):
+        raise ParameterError(
+            f"a namespace has letters, digits and _, and no digit first, given {name!r}"
+        )
+    return f"/{bare}"

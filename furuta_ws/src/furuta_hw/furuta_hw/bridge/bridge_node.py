@@ -23,9 +23,8 @@ from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.discovery import describe_discovery, reaches_network
-from furuta_ros.loop_publisher import sender
 from furuta_ros.messages import RefusedError, value_of
-from furuta_ros.node import FurutaNode
+from furuta_ros.node import LATCHED, QOS, FurutaNode, sender
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS
@@ -35,9 +34,7 @@ from furuta_ros.topics import (
     DIAGNOSTICS,
     FRICTION_ESTIMATE,
     JOINT_STATES,
-    LATCHED,
     MEASUREMENT,
-    QOS,
     Topic,
 )
 from furuta_ros.wire import joint_state_bytes
@@ -79,11 +76,11 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._sample_clock = SampleClock(self._period)
         self._restarts = 0
         self._timers_when_configured: list[Timer] = []
-        self._send = sender(self.create_publisher(MEASUREMENT.type, MEASUREMENT.name, QOS))
+        self._send = sender(self.create_publisher(MEASUREMENT.message, MEASUREMENT.name, QOS))
         self._armed = Bool()
-        self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
+        self._armed_publisher = self.create_publisher(ARMED.message, ARMED.name, LATCHED)
         self._armed_publisher.publish(self._armed)
-        self._diagnostics = self.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, 10)
+        self._diagnostics = self.create_publisher(DIAGNOSTICS.message, DIAGNOSTICS.name, 10)
         self.subscribe_to(COMMAND, self._on_command)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
