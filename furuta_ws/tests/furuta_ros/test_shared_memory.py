@@ -8,7 +8,7 @@ import pytest
 from rclpy.node import Node
 
 from furuta_ros.context import ros_context
-from furuta_ros.ports import (
+from furuta_ros.middleware import (
     DATA_PORT,
     DATA_PORTS,
     SHARED_MEMORY,

@@ -176,12 +176,13 @@ def joined_node(name: str, namespace: str) -> Iterator[tuple[Any, Any]]:
     """A node that joins the graph of a namespace as its client, and its executor."""
     from rclpy.node import Node
 
-    from furuta_ros.context import joined_graph
+    from furuta_ros.context import ros_context, tell_graph
     from furuta_ros.spinning import executor_of
 
-    with joined_graph(namespace):
+    with ros_context(namespace=namespace):
         node = Node(name, start_parameter_services=False)
         yield node, executor_of([node])
+        tell_graph(namespace)
 
 
 def names_options(function: Function) -> Function:

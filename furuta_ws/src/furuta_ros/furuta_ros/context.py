@@ -9,15 +9,16 @@ import rclpy.logging
 import rclpy.utilities
 from rclpy.signals import SignalHandlerOptions
 
-from furuta_ros.discovery import (
+from furuta_ros.errors import UserError, first_line
+from furuta_ros.middleware import (
     announce_often,
+    choose_data_port,
     describe_discovery,
     no_discovery,
     reaches_network,
+    remove_empty_ports,
     restrict_discovery,
 )
-from furuta_ros.errors import UserError, first_line
-from furuta_ros.ports import choose_data_port, remove_empty_ports
 
 _arguments: list[str] = []
 
@@ -63,14 +64,6 @@ def ros_context(
             yield
         finally:
             rclpy.try_shutdown()
-
-
-@contextmanager
-def joined_graph(namespace: str) -> Iterator[None]:
-    """ROS beside a running graph; afterwards standard error says which graph that was."""
-    with ros_context(namespace=namespace):
-        yield
-        tell_graph(namespace)
 
 
 def tell_graph(namespace: str) -> None:

@@ -20,11 +20,10 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from furuta_model.compiled import load_machinery
-from furuta_ros.discovery import clock_advice
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.messages import RefusedError
-from furuta_ros.parameter_service import FurutaParameterService
-from furuta_ros.parameters import NodeParameters
+from furuta_ros.middleware import clock_advice
+from furuta_ros.parameters import FurutaParameterService, NodeParameters
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import CLOCK, Topic
 

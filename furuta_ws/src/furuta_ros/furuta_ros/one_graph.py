@@ -11,8 +11,8 @@ import socket
 from typing import TYPE_CHECKING
 
 from furuta_model.parameters import ParameterError
-from furuta_ros.discovery import is_private
 from furuta_ros.errors import UserError
+from furuta_ros.middleware import is_private
 
 if TYPE_CHECKING:
     from rclpy.node import Node

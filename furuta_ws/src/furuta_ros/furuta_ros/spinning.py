@@ -20,8 +20,7 @@ from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim_graph
-from furuta_ros.process_end import StopSignal, bounded_end
-from furuta_ros.process_start import own_arguments
+from furuta_ros.process import StopSignal, bounded_end, own_arguments
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.

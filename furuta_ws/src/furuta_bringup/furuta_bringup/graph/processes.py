@@ -15,7 +15,7 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
 from furuta_ros.context import ros_context
 from furuta_ros.one_graph import claim, ros_domain
-from furuta_ros.process_end import StopSignal, bounded_end
+from furuta_ros.process import StopSignal, bounded_end
 from furuta_ros.spinning import fail
 
 # Time between two checks of the processes and of what to record [s].

@@ -14,7 +14,7 @@ from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.one_graph import namespace_option
-from furuta_ros.process_end import StopSignal, bounded_end
+from furuta_ros.process import StopSignal, bounded_end
 from furuta_ros.spinning import spin_until
 
 # Time without a sample after which a run of limited time ends [s]: it is counted in samples.

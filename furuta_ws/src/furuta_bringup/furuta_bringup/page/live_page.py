@@ -46,7 +46,7 @@ from furuta_bringup.page.simulation_controls import (
 from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros.context import ros_context, tell_graph
-from furuta_ros.process_end import StopSignal, bounded_end
+from furuta_ros.process import StopSignal, bounded_end
 
 # Time between two drawings [s]; every how many of them charts and figures are drawn, of the same
 # samples, and nodes are searched for.

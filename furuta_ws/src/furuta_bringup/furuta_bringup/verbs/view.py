@@ -51,7 +51,7 @@ def command(
         return
     from furuta_bringup.verbs import run
     from furuta_ros.one_graph import claim, ros_domain
-    from furuta_ros.process_start import child_environment
+    from furuta_ros.process import child_environment
 
     # What would end the graph at once ends this command, before it prints an address.
     shared = ["--namespace", namespace] if namespace else []

@@ -22,8 +22,8 @@ from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
-from furuta_ros.discovery import describe_discovery, reaches_network
 from furuta_ros.messages import RefusedError, value_of
+from furuta_ros.middleware import describe_discovery, reaches_network
 from furuta_ros.node import LATCHED, QOS, FurutaNode, sender
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node

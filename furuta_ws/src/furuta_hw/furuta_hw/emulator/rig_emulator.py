@@ -24,7 +24,7 @@ from furuta_hw.emulator.running_rig import RunningRig, serve
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
-from furuta_ros.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
+from furuta_ros.process import INTERRUPTED, own_arguments, set_interrupt_handler
 from furuta_ros.yaml_files import parse_yaml
 
 # Priority in the real-time scheduler. Any value precedes processes without real-time priority.
