@@ -30,6 +30,12 @@ DATA_PORT = "FURUTA_DATA_PORT"
 DATA_PORTS = range(11, 211, 2)
 
 
+def ros_domain() -> int:
+    """The ROS domain of a process that has not started ROS yet."""
+    given = os.environ.get("ROS_DOMAIN_ID", "")
+    return int(given) if given.isdecimal() else 0  # ROS itself rejects anything but a number
+
+
 def restrict_discovery() -> None:
     """Choose this machine only, if no environment variable holds another choice."""
     if not any(os.environ.get(name) for name in (RANGE, PEERS, SERVER)):
@@ -82,10 +88,7 @@ def describe_discovery() -> str:
 
 def port_file(port: int, directory: Path = SHARED_MEMORY) -> Path:
     """The file of a ``port`` of this process's ROS domain."""
-    domain = os.environ.get("ROS_DOMAIN_ID", "0")
-    # ROS itself rejects anything but a number.
-    number = FIRST_PORT + PORTS * int(domain if domain.isdecimal() else 0) + port
-    return directory / f"fastrtps_port{number}"
+    return directory / f"fastrtps_port{FIRST_PORT + PORTS * ros_domain() + port}"
 
 
 def remove_empty_ports(directory: Path = SHARED_MEMORY) -> None:

@@ -26,12 +26,6 @@ def claim_graph(node: Node) -> socket.socket:
     return claim(node.context.get_domain_id(), node.get_namespace())
 
 
-def ros_domain() -> int:
-    """The ROS domain of a process that has not started ROS yet."""
-    given = os.environ.get("ROS_DOMAIN_ID", "")
-    return int(given) if given.isdecimal() else 0
-
-
 def claim(domain: int, namespace: str) -> socket.socket:
     """Claim the graph of a namespace and domain until the socket is closed.
 
