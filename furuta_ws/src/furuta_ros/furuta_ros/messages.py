@@ -6,7 +6,6 @@ See :mod:`furuta_ros.wire` for the usual layout.
 from math import nan
 from typing import Any
 
-import numpy as np
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -15,7 +14,7 @@ from furuta_model.parameters import shortened
 from furuta_model.state import LARGEST_VALUE
 from furuta_ros.time_stamps import stamp_nanoseconds
 from furuta_ros.topics import JOINTS
-from furuta_ros.wire import ENCODING, FLOAT64, Signals, unpack_joint_state
+from furuta_ros.wire import ENCODING, FLOAT64, Signals
 
 NAMES = list(JOINTS)
 
@@ -61,12 +60,6 @@ def joint_numbers(data: bytes, joint: str) -> tuple[int, list[float]] | None:
     series = message.position, message.velocity, message.effort
     numbers = [float(each[index]) if index < len(each) else nan for each in series]
     return stamp_nanoseconds(message), numbers
-
-
-def read_joint_state(data: bytes, x: np.ndarray) -> int:
-    """Write state and effort of a serialised JointState to ``x`` (5,); return its stamp [ns]."""
-    stamp, x[:] = unpack_joint_state(data) or typed_joint_state(data)
-    return stamp
 
 
 def value_of(data: bytes) -> float:

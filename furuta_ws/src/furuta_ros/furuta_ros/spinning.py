@@ -3,7 +3,6 @@
 import gc
 import inspect
 import sys
-import threading
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from pathlib import Path
@@ -13,7 +12,6 @@ from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.task import Future
 
 from furuta_model.parameters import ParameterError, shortened
 from furuta_ros.context import ros_context
@@ -39,31 +37,6 @@ def spin_until(executor: Executor, done: Callable[[], bool]) -> None:
     """Spin until ``done()``, which is checked at least every ``SPIN_TIMEOUT`` seconds."""
     while not done():
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-
-
-class SpinningThread:
-    """Spins ``nodes`` until :meth:`close`, so that several threads can wait for responses."""
-
-    def __init__(self, nodes: Iterable[Node]) -> None:
-        self._executor = executor_of(nodes)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        """Wait until ``future`` is done or the time is up, in any other thread."""
-        done = threading.Event()
-        future.add_done_callback(lambda _: done.set())
-        done.wait(timeout_sec)
-
-    def close(self, timeout: float) -> None:
-        """Stop spinning, and wait up to ``timeout`` [s] for the thread."""
-        self._ended.set()
-        self._executor.wake()
-        self._thread.join(timeout)
-
-    def _run(self) -> None:
-        spin_until(self._executor, self._ended.is_set)
 
 
 def prepare_to_spin() -> None:

@@ -37,14 +37,8 @@ class Topic(NamedTuple):
 
     @property
     def throttled(self) -> Topic:
-        """The topic with some of these messages, for programs that draw."""
-        publisher = self.ends.partition(" →")[0]
-        return Topic(
-            f"{self.name}_throttle",
-            self.type,
-            f"{publisher} → programs that draw",
-            f"about 100 messages of `{self.name}` per second of the loop's time",
-        )
+        """About 100 of these messages per second of the loop's time, for programs that draw."""
+        return Topic(f"{self.name}_throttle", self.type)
 
 
 MEASUREMENT = Topic(
