@@ -6,7 +6,6 @@ from contextlib import contextmanager, nullcontext
 
 import rclpy
 import rclpy.logging
-import rclpy.utilities
 from rclpy.signals import SignalHandlerOptions
 
 from furuta_ros.errors import UserError, first_line
@@ -64,9 +63,3 @@ def ros_context(
             yield
         finally:
             rclpy.try_shutdown()
-
-
-def tell_graph(namespace: str) -> None:
-    """Say on standard error which graph this process has joined."""
-    domain = rclpy.utilities.get_default_context().get_domain_id()
-    print(f"graph: namespace {namespace or '/'}, ROS domain {domain}", file=sys.stderr)

@@ -3,27 +3,16 @@
 Discovery cannot tell in time: it may take seconds until a node lists those of another process.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import socket
-from typing import TYPE_CHECKING
 
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 from furuta_ros.middleware import is_private
 
-if TYPE_CHECKING:
-    from rclpy.node import Node
-
 # Longest name of a socket in bytes (sun_path of unix(7), without its first byte).
 LONGEST = 107
-
-
-def claim_graph(node: Node) -> socket.socket:
-    """Claim the graph of the node's namespace and domain (:func:`claim`)."""
-    return claim(node.context.get_domain_id(), node.get_namespace())
 
 
 def claim(domain: int, namespace: str) -> socket.socket:

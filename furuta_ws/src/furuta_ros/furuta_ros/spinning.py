@@ -17,7 +17,7 @@ from furuta_model.parameters import ParameterError, shortened
 from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
-from furuta_ros.one_graph import claim_graph
+from furuta_ros.one_graph import claim
 from furuta_ros.process import StopSignal, bounded_end, own_arguments
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
@@ -71,7 +71,8 @@ def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
 
 def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
     node = make()
-    with claim_graph(node) if node.one_per_graph else nullcontext():
+    graph = node.context.get_domain_id(), node.get_namespace()
+    with claim(*graph) if node.one_per_graph else nullcontext():
         executor = executor_of([node])
         prepare_to_spin()
         if stop():

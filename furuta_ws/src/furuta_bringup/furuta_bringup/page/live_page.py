@@ -10,6 +10,7 @@ import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
+from furuta_bringup.options import tell_graph
 from furuta_bringup.page.charts import SECONDS, Charts
 from furuta_bringup.page.exact_cycle import (
     analysed_loop,
@@ -45,7 +46,7 @@ from furuta_bringup.page.simulation_controls import (
 )
 from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
-from furuta_ros.context import ros_context, tell_graph
+from furuta_ros.context import ros_context
 from furuta_ros.process import StopSignal, bounded_end
 
 # Time between two drawings [s]; every how many of them charts and figures are drawn, of the same
