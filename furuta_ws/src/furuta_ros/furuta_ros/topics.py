@@ -22,12 +22,10 @@ TRANSITIONS: Final = {
 
 
 class Topic(NamedTuple):
-    """A topic of the graph: name, type, who publishes it for whom, and what it contains."""
+    """A topic of the graph (docs/topics.md)."""
 
     name: str
     type: str
-    ends: str = ""
-    content: str = ""
 
     @property
     def message(self) -> Any:
@@ -41,66 +39,30 @@ class Topic(NamedTuple):
         return Topic(f"{self.name}_throttle", self.type)
 
 
-MEASUREMENT = Topic(
-    "measurement",
-    JOINT_STATE,
-    "plant → estimator",
-    "sensor readings, NaN where there is no sensor; `effort[0]` is the torque applied since the "
-    "previous sample [V]",
-)
-JOINT_STATES = Topic(
-    "joint_states",
-    JOINT_STATE,
-    "estimator → observer, controller",
-    "state estimate; `effort[0]` is the observed friction [V]",
-)
-REFERENCE = Topic(
-    "reference",
-    JOINT_STATE,
-    "trajectory generator → observer of a joint",
-    "velocity that the joint is to have",
-)
-FRICTION_ESTIMATE = Topic("friction_estimate", FLOAT64, "friction observer → controller", "F̂ [V]")
-COMMAND = Topic("command", FLOAT64, "controller → plant", "u [V], saturated")
-GROUND_TRUTH = Topic(
-    "ground_truth",
-    JOINT_STATE,
-    "plant → any subscriber",
-    "true state; `effort[0]` is the true friction F [V]; published while somebody subscribes",
-)
-
-# A late subscriber gets the last ones.
-ACTIVE_MODE = Topic(
-    "active_mode",
-    "std_msgs/msg/String",
-    "controller → any subscriber",
-    "what the controller does, sent when that changes; transient local",
-)
-ARMED = Topic(
-    "armed",
-    "std_msgs/msg/Bool",
-    "hardware bridge → controller",
-    "whether the rig applies commands, sent when that changes; transient local",
-)
-
+# Sensor readings, NaN without a sensor. Effort of the arm: the torque applied since the previous
+# sample [V].
+MEASUREMENT = Topic("measurement", JOINT_STATE)
+# Effort of the arm: the observed friction [V].
+JOINT_STATES = Topic("joint_states", JOINT_STATE)
+# The velocity that a robot's joint is to have.
+REFERENCE = Topic("reference", JOINT_STATE)
+FRICTION_ESTIMATE = Topic("friction_estimate", FLOAT64)
+COMMAND = Topic("command", FLOAT64)
+# Effort of the arm: the true friction F [V]. Published while somebody subscribes.
+GROUND_TRUTH = Topic("ground_truth", JOINT_STATE)
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
+
+# What the controller does, and whether a rig applies its commands. Sent when that changes; a late
+# subscriber gets the last ones.
+ACTIVE_MODE = Topic("active_mode", "std_msgs/msg/String")
+ARMED = Topic("armed", "std_msgs/msg/Bool")
 
 # Two rows of counts: the latency from measurement to command and the lateness of the measurement.
 # A label says how wide a bin is.
-TIMING = Topic(
-    "timing",
-    "std_msgs/msg/UInt64MultiArray",
-    "plant → any subscriber",
-    "histograms of latency and lateness in real time, once a second",
-)
+TIMING = Topic("timing", "std_msgs/msg/UInt64MultiArray")
 
-# Its name is relative too: two graphs must not mix their times.
-CLOCK = Topic(
-    "clock",
-    "rosgraph_msgs/msg/Clock",
-    "plant → nodes with `use_sim_time`",
-    "simulated time in lock-step",
-)
+# Simulated time. Its name is relative too: two graphs must not mix their times.
+CLOCK = Topic("clock", "rosgraph_msgs/msg/Clock")
 
 # Every ROS 2 program for robots publishes its state here; the bridge does so for the rig.
 DIAGNOSTICS = Topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
