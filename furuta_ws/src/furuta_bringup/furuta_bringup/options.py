@@ -177,8 +177,7 @@ def joined_node(name: str, namespace: str) -> Iterator[tuple[Any, Any]]:
     """A node that joins the graph of a namespace as its client, and its executor."""
     from rclpy.node import Node
 
-    from furuta_ros.context import ros_context
-    from furuta_ros.spinning import executor_of
+    from furuta_ros.spinning import executor_of, ros_context
 
     with ros_context(namespace=namespace):
         node = Node(name, start_parameter_services=False)

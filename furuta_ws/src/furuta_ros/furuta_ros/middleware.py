@@ -42,9 +42,13 @@ def restrict_discovery() -> None:
         os.environ[RANGE] = "LOCALHOST"
 
 
-def announce_often() -> None:
-    """Let processes discover each other without delay, if the user has chosen no settings."""
+def prepare_middleware() -> None:
+    """Make these choices for this process, before ROS starts."""
+    restrict_discovery()
+    # Processes discover each other without delay, if the user has chosen no settings.
     os.environ.setdefault(PROFILES, str(Path(__file__).with_name("middleware.xml")))
+    remove_empty_ports()
+    choose_data_port()
 
 
 @contextmanager

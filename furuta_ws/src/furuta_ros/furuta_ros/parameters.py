@@ -30,8 +30,8 @@ from furuta_model.accepted_parts import (
     parts_in,
 )
 from furuta_model.parameters import Declared, ParameterError, build, declared, shortened
-from furuta_ros.context import ros_arguments
 from furuta_ros.parameter_files import check_names, sections_given
+from furuta_ros.process import ROS_ARGUMENTS
 from furuta_ros.yaml_files import parse_yaml
 
 Group = TypeVar("Group", bound=NamedTuple)
@@ -97,7 +97,7 @@ class NodeParameters(Generic[Group]):
     def _warn_about_names(self) -> None:
         full_name = self._node.get_fully_qualified_name()
         given = self._node._parameter_overrides
-        for warning in check_names(full_name, self._names, given, sections_given(ros_arguments())):
+        for warning in check_names(full_name, self._names, given, sections_given(ROS_ARGUMENTS)):
             self._node.get_logger().warning(warning)
 
     def _declare(self, declaration: Declared) -> None:
@@ -132,7 +132,7 @@ def _accept_own_parts(node: Node) -> None:
 
     A parameter file can come from anywhere: it may only repeat names that are accepted.
     """
-    accept_parts(_named_parts(ros_arguments()))
+    accept_parts(_named_parts(ROS_ARGUMENTS))
     given = node._parameter_overrides.pop(OWN_PARTS, None)
     refused = [name for name in parts_in(given.value if given else "") if not is_accepted(name)]
     if refused:

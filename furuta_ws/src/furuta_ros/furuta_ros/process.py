@@ -23,6 +23,8 @@ AFTER_INTERRUPT = b"\n\x1b[?25hinterrupted\n"
 PARENT = "FURUTA_PARENT"
 # Of prctl(2): the signal that a process receives when its parent ends.
 PR_SET_PDEATHSIG = 1
+# The command-line arguments that ROS was started with in this process.
+ROS_ARGUMENTS: list[str] = []
 # Longest time [s] that the middleware gets for its end: less than who ends a node waits for it.
 LONGEST_END = 3
 # Of time.h and signal.h: a clock, and how a timer notifies.

@@ -1,28 +1,71 @@
-"""Running nodes in a process: one executor, a clean end, errors in one line."""
+"""ROS in a process: its start, one executor for all nodes, a clean end, errors in one line."""
 
 import gc
 import inspect
 import sys
-from collections.abc import Callable, Iterable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
+import rclpy
+import rclpy.logging
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 
 from furuta_model.parameters import ParameterError, shortened
-from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
+from furuta_ros.middleware import (
+    describe_discovery,
+    no_discovery,
+    prepare_middleware,
+    reaches_network,
+)
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim
-from furuta_ros.process import StopSignal, bounded_end, own_arguments
+from furuta_ros.process import ROS_ARGUMENTS, StopSignal, bounded_end, own_arguments
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.
 SPIN_TIMEOUT = 0.1
+
+
+@contextmanager
+def ros_context(
+    arguments: Sequence[str] | None = (), namespace: str = "", private: bool = False
+) -> Iterator[None]:
+    """ROS runs inside the ``with`` block and ends with it, on this machine unless chosen otherwise.
+
+    ``arguments`` are command-line arguments; None means those of the process. All nodes that the
+    block makes are in ``namespace``. With ``private`` they discover no node of another process.
+    Signals keep their Python handlers: rclpy's own would end ROS before the nodes have finished.
+
+    Raises:
+        UserError: ROS cannot use the arguments.
+    """
+    given = None if arguments is None else list(arguments)
+    if namespace:
+        given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
+    prepare_middleware()
+    ROS_ARGUMENTS[:] = sys.argv if given is None else given
+    with no_discovery() if private else nullcontext():
+        try:
+            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+        except Exception as error:  # rclpy raises types here that it does not export
+            unknown = "unknown arguments " if type(error).__name__ == "UnknownROSArgsError" else ""
+            reason = f"{unknown}{first_line(error)}"
+            if "logging directory" in reason:
+                reason += "; set ROS_LOG_DIR or HOME to a directory that can be written"
+            raise UserError(f"cannot start ROS: {reason}") from None
+        log = rclpy.logging.get_logger("discovery")
+        (log.info if reaches_network() else log.debug)(describe_discovery())
+        try:
+            yield
+        finally:
+            rclpy.try_shutdown()
 
 
 def executor_of(nodes: Iterable[Node]) -> Executor:
