@@ -14,6 +14,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
+from furuta_ros.node import QOS
 from furuta_ros.spinning import executor_of, prepare_to_spin
 from furuta_ros.topics import (
     COMMAND,
@@ -22,7 +23,6 @@ from furuta_ros.topics import (
     JOINT_STATES,
     JOINTS,
     MEASUREMENT,
-    QOS,
     Topic,
 )
 
@@ -85,7 +85,7 @@ class BareChain:
         return bytes(serialize_message(message)) if self._serialised else message
 
     def _subscribe(self, node: Node, topic: Topic, receive: Callable[[Any], None]) -> None:
-        node.create_subscription(topic.type, topic.name, receive, QOS, raw=self._serialised)
+        node.create_subscription(topic.message, topic.name, receive, QOS, raw=self._serialised)
 
     def _on_command(self, _: Any) -> None:
         self.count += 1
@@ -93,9 +93,9 @@ class BareChain:
 
 
 def _publisher(node: Node, topic: Topic) -> Publisher:
-    return node.create_publisher(topic.type, topic.name, QOS)
+    return node.create_publisher(topic.message, topic.name, QOS)
 
 
 def _joint_state() -> JointState:
     zeros = array("d", (0.0, 0.0))
-    return JointState(name=JOINTS, position=zeros, velocity=zeros, effort=zeros)
+    return JointState(name=list(JOINTS), position=zeros, velocity=zeros, effort=zeros)

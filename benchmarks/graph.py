@@ -16,8 +16,7 @@ from rclpy.parameter import Parameter
 
 from furuta.settings.settings import Settings, default_settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
-from furuta_ros.context import ros_context
-from furuta_ros.spinning import spin_until
+from furuta_ros.spinning import ros_context, spin_until
 
 ROUNDS = 7
 ROUND_SECONDS = 1.5

@@ -63,7 +63,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 @pytest.fixture
 def ros() -> Iterator[None]:
     """ROS from start to end of a test."""
-    from furuta_ros.context import ros_context
+    from furuta_ros.spinning import ros_context
 
     with ros_context():
         yield

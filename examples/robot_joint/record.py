@@ -10,14 +10,13 @@ from pathlib import Path
 from time import monotonic, sleep
 
 import rclpy
-from sensor_msgs.msg import JointState
 
 from furuta_recordings.recorder_node import COLLECT_EVERY, RecorderNode
 from furuta_ros.topics import Topic
 
 bag, seconds = Path(sys.argv[1]), float(sys.argv[2])
 rclpy.init()
-recorder = RecorderNode(bag, topics=[Topic("/joint_states", JointState)])
+recorder = RecorderNode(bag, topics=[Topic("/joint_states", "sensor_msgs/msg/JointState")])
 end = monotonic() + seconds
 while monotonic() < end:
     recorder.collect()

@@ -86,7 +86,7 @@ class Loop:
         self._commands = bench.publisher(COMMAND)
         self._estimates = bench.publisher(FRICTION_ESTIMATE)
         bench.probe.create_subscription(
-            MEASUREMENT.type, MEASUREMENT.name, lambda _: self.answer(), 10
+            MEASUREMENT.message, MEASUREMENT.name, lambda _: self.answer(), 10
         )
 
     def answer(self) -> None:

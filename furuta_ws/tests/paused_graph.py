@@ -8,7 +8,8 @@ from testbench import Bench
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.processes import executable
 from furuta_bringup.launching import launched_nodes
-from furuta_ros.topics import GROUND_TRUTH, QOS, Topic
+from furuta_ros.node import QOS
+from furuta_ros.topics import GROUND_TRUTH, Topic
 
 
 def launch_commands(**arguments: str) -> list[list[str]]:

@@ -11,9 +11,9 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from sensor_msgs.msg import JointState
 
-from furuta_ros.loop_publisher import LoopPublisher
+from furuta_ros.node import QOS, LoopPublisher, deep
 from furuta_ros.spinning import executor_of
-from furuta_ros.topics import CLOCK, JOINTS, QOS, TOPICS, Topic, deep
+from furuta_ros.topics import CLOCK, JOINTS, TOPICS, Topic
 
 TIMEOUT = 120.0
 
@@ -26,7 +26,7 @@ class Bench:
 
     def __init__(self) -> None:
         self.probe = Node("probe")
-        self.clock = self.probe.create_publisher(CLOCK.type, CLOCK.name, QOS)
+        self.clock = self.probe.create_publisher(CLOCK.message, CLOCK.name, QOS)
         self.received: dict[str, list[Any]] = {topic.name: [] for topic in TOPICS}
         self._nodes: list[Node] = [self.probe]
         self._executor: Executor | None = None
@@ -43,12 +43,12 @@ class Bench:
     def collect(self, topic: Topic) -> list[Any]:
         """Collect what comes on a topic."""
         received = self.received.setdefault(topic.name, [])
-        self.probe.create_subscription(topic.type, topic.name, received.append, deep(10_000))
+        self.probe.create_subscription(topic.message, topic.name, received.append, deep(10_000))
         return received
 
     def publisher(self, topic: Topic) -> Any:
         """A publisher on a topic, known to its subscribers."""
-        publisher = self.probe.create_publisher(topic.type, topic.name, QOS)
+        publisher = self.probe.create_publisher(topic.message, topic.name, QOS)
         self.spin(lambda: publisher.get_subscription_count() > 0)
         return publisher
 
@@ -122,7 +122,7 @@ def joint_state(
 ) -> JointState:
     """A message with state x = (φ, φ̇, θ, θ̇) and the arm's effort, stamped in nanoseconds."""
     phi, phi_dot, theta, theta_dot = x
-    message = JointState(name=names or JOINTS)
+    message = JointState(name=names or list(JOINTS))
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 1_000_000_000)
     message.position, message.velocity = array("d", [phi, theta]), array("d", [phi_dot, theta_dot])
     message.effort = array("d", [effort, 0.0])

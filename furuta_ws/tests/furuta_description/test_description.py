@@ -12,12 +12,7 @@ from urdf_parser_py.urdf import URDF
 from furuta_description.robot_description import display_nodes, robot_description, share
 from furuta_hw.rigs.known_rigs import find_rig
 from furuta_model.parameters import ParameterError
-from furuta_ros import topic_names
-
-TOPICS = {
-    *(topic_names.MEASUREMENT, topic_names.JOINT_STATES, topic_names.GROUND_TRUTH),
-    *(topic_names.FRICTION_ESTIMATE, topic_names.COMMAND),
-}
+from furuta_ros.topics import JOINTS, TOPICS
 
 
 def rotation(axis: list[float], angle: float) -> np.ndarray:
@@ -30,7 +25,7 @@ def rotation(axis: list[float], angle: float) -> np.ndarray:
 def test_joints_have_the_names_of_the_topics() -> None:
     """A robot state publisher finds the joints of ``joint_states`` by name."""
     robot = URDF.from_xml_string(robot_description(0.3, 0.4))
-    assert [joint.name for joint in robot.joints] == list(topic_names.JOINTS)
+    assert [joint.name for joint in robot.joints] == list(JOINTS)
     assert {joint.type for joint in robot.joints} == {"continuous"}
     assert robot.get_root() == "base"
     assert all(link.visuals for link in robot.links)
@@ -50,7 +45,7 @@ def test_pendulum_stands_where_the_equations_have_it(phi: float, theta: float) -
     """θ = 0 is upright; the centre is at (L cosφ − l sinθ sinφ, L sinφ + l sinθ cosφ, l cosθ)."""
     arm_length, length = 0.3, 0.4
     robot = URDF.from_xml_string(robot_description(arm_length, length))
-    arm, pendulum = (robot.joint_map[name] for name in topic_names.JOINTS)
+    arm, pendulum = (robot.joint_map[name] for name in JOINTS)
     turned = rotation(arm.axis, phi)
     tip = turned @ (
         np.array(pendulum.origin.xyz) + rotation(pendulum.axis, theta) @ [0.0, 0.0, length]
@@ -81,4 +76,4 @@ def test_display_starts_publisher_and_rviz_in_the_namespace() -> None:
 def test_layouts_show_the_five_topics(file: str) -> None:
     """And no other one."""
     shown = set(re.findall(r'"/(\w+)[/.]', share("config", file).read_text()))
-    assert shown == TOPICS
+    assert shown == {topic.name for topic in TOPICS}

@@ -14,7 +14,8 @@ from testbench import Bench
 
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.connection import rig_connection
-from furuta_ros.topics import ARMED, COMMAND, LATCHED, MEASUREMENT, QOS
+from furuta_ros.node import LATCHED, QOS
+from furuta_ros.topics import ARMED, COMMAND, MEASUREMENT
 
 
 @pytest.fixture
@@ -62,7 +63,7 @@ def test_reports_whether_it_is_armed(bench: Bench, permissive_rig: str) -> None:
     node = bridge(bench, rig=permissive_rig, autostart="active")
     reports: list[bool] = []
     bench.probe.create_subscription(
-        ARMED.type, ARMED.name, lambda message: reports.append(message.data), LATCHED
+        ARMED.message, ARMED.name, lambda message: reports.append(message.data), LATCHED
     )
     bench.spin(lambda: reports == [False])
     Loop(bench, 1.0)
@@ -83,7 +84,7 @@ def test_a_second_controller_stops_the_rig_and_keeps_it_from_arming(
     assert arm(bench) == (True, "")
     bench.spin(lambda: code(node) != 0)
     second = Node("second")
-    publisher = second.create_publisher(COMMAND.type, COMMAND.name, QOS)
+    publisher = second.create_publisher(COMMAND.message, COMMAND.name, QOS)
     bench.spin(lambda: not node.guard.armed)
     assert node.guard.reason == "2 nodes publish command: /probe and /second"
     bench.spin(lambda: code(node) == 0)

@@ -32,7 +32,7 @@ def publish(bench: Any, count: int, topics: tuple[Topic, ...] = (MEASUREMENT, CO
     for k in range(count):
         for topic, publisher in zip(topics, publishers, strict=True):
             stamped = topic is MEASUREMENT
-            publisher.publish(joint_state(X, k) if stamped else topic.type(data=float(k)))
+            publisher.publish(joint_state(X, k) if stamped else topic.message(data=float(k)))
 
 
 def read(bag: Path) -> list[tuple[str, int, Any]]:
@@ -88,7 +88,7 @@ def test_dropped_messages_are_counted(bench: Any, tmp_path: Path, monkeypatch: A
     recorder.collect()
     (publisher,) = (p for p in bench.probe.publishers if p.topic_name == "/command")
     for k in range(20):
-        publisher.publish(COMMAND.type(data=float(k)))
+        publisher.publish(COMMAND.message(data=float(k)))
     recorder.collect()
     assert recorder.lost == 15
     recorder.destroy_node()

@@ -3,19 +3,19 @@
 from array import array
 from math import isnan, nan
 
-import numpy as np
 import pytest
 from rclpy.serialization import serialize_message
 from testbench import joint_state
 
-from furuta_ros.messages import read_joint_state
+from furuta_ros.messages import typed_joint_state
+from furuta_ros.wire import Signals, unpack_joint_state
 
 STATE = (0.1, -0.2, 0.3, -0.4)
 
 
-def read(message: object) -> np.ndarray:
-    x = np.zeros(5)
-    read_joint_state(serialize_message(message), x)
+def read(message: object) -> Signals:
+    data = serialize_message(message)
+    _, x = unpack_joint_state(data) or typed_joint_state(data)
     return x
 
 
@@ -23,7 +23,7 @@ def test_joints_are_found_by_name() -> None:
     """The order of the joints in a message does not matter."""
     message = joint_state(STATE, 0, ["pendulum", "arm"])
     message.effort = array("d", [0.5, 0.6])
-    assert read(message).tolist() == [0.3, -0.4, 0.1, -0.2, 0.6]
+    assert read(message) == (0.3, -0.4, 0.1, -0.2, 0.6)
 
 
 @pytest.mark.parametrize("efforts", [[], [nan, 0.0]])

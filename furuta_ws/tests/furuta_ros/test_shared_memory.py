@@ -7,8 +7,7 @@ from time import time
 import pytest
 from rclpy.node import Node
 
-from furuta_ros.context import ros_context
-from furuta_ros.ports import (
+from furuta_ros.middleware import (
     DATA_PORT,
     DATA_PORTS,
     SHARED_MEMORY,
@@ -16,6 +15,7 @@ from furuta_ros.ports import (
     port_file,
     remove_empty_ports,
 )
+from furuta_ros.spinning import ros_context
 
 
 def port(directory: Path, content: bytes = b"", age: float = 10.0, number: int = 11) -> Path:

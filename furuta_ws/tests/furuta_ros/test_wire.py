@@ -13,9 +13,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
 
-from furuta_ros.messages import RefusedError, deserialized, read_value
+from furuta_ros.messages import NAMES, RefusedError, deserialized, read_value
 from furuta_ros.time_stamps import stamp_nanoseconds
-from furuta_ros.topics import JOINTS
 from furuta_ros.wire import joint_state_bytes, unpack_joint_state, value_bytes
 
 numbers = st.lists(st.floats(), max_size=3)
@@ -40,7 +39,7 @@ def joint_state(
 
 messages = st.builds(
     joint_state,
-    st.sampled_from([JOINTS[::-1], ["arm"], ["arm", "pendulum2"], []]) | st.just(JOINTS),
+    st.sampled_from([NAMES[::-1], ["arm"], ["arm", "pendulum2"], []]) | st.just(NAMES),
     numbers | st.lists(st.floats(), min_size=2, max_size=2),
     numbers | st.lists(st.floats(), min_size=2, max_size=2),
     numbers | st.lists(st.floats(), min_size=2, max_size=2),
@@ -60,7 +59,7 @@ def assert_read_alike(data: bytes) -> bool:
     if read is None:
         return False
     message = deserialize_message(data, JointState)
-    assert message.name == JOINTS
+    assert message.name == NAMES
     (arm, pendulum), (arm_speed, pendulum_speed) = message.position, message.velocity
     stamp, x = read
     assert bits(x) == bits([arm, arm_speed, pendulum, pendulum_speed, message.effort[0]])
@@ -73,7 +72,7 @@ def assert_read_alike(data: bytes) -> bool:
 def test_messages_of_every_shape(message: JointState) -> None:
     """The usual shape is read; any other is left to the middleware."""
     usual = (
-        message.name == JOINTS
+        message.name == NAMES
         and not message.header.frame_id
         and all(len(v) == 2 for v in (message.position, message.velocity, message.effort))
     )
@@ -102,7 +101,7 @@ def test_the_middleware_reads_what_is_written(values: list[float], stamp: int) -
     data = joint_state_bytes(stamp, tuple(values))
     assert assert_read_alike(data)
     typed = deserialize_message(data, JointState)
-    expected = joint_state(JOINTS, [phi, theta], [phi_dot, theta_dot], [effort, 0.0])
+    expected = joint_state(NAMES, [phi, theta], [phi_dot, theta_dot], [effort, 0.0])
     expected.header.stamp.sec, expected.header.stamp.nanosec = divmod(stamp, 10**9)
     fields = ("position", "velocity", "effort")
     assert [bits(getattr(typed, f)) for f in fields] == [bits(getattr(expected, f)) for f in fields]

@@ -16,7 +16,7 @@ from furuta_bringup.graph.services import ServiceError
 from furuta_bringup.launching import launched_nodes
 from furuta_model.parameters import ParameterError
 from furuta_recordings.replay_node import message_class
-from furuta_ros.context import ros_context
+from furuta_ros.spinning import ros_context
 
 # Node, parameter, and the default, of each parameter that can name code.
 NAMING_CODE = [

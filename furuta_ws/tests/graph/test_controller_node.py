@@ -16,14 +16,8 @@ from furuta_control.modes import mode
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros import node
-from furuta_ros.topics import (
-    ARMED,
-    COMMAND,
-    FRICTION_ESTIMATE,
-    JOINT_STATES,
-    LATCHED,
-    Topic,
-)
+from furuta_ros.node import LATCHED
+from furuta_ros.topics import ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES, Topic
 
 X = (0.1, -0.2, 0.03, 0.04)
 FEEDBACK = -float(place_poles(FurutaPendulum(), DesiredPoles()) @ np.array(X))
@@ -88,7 +82,7 @@ def test_in_lockstep_every_state_waits_for_its_estimate(loop: Loop) -> None:
 def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
     """Super-twisting does not take the missing torque for friction; once armed it corrects."""
     ParameterClient(loop.bench.probe, loop.bench.executor).set("controller", super_twisting=10.0)
-    rig = loop.bench.probe.create_publisher(ARMED.type, ARMED.name, LATCHED)
+    rig = loop.bench.probe.create_publisher(ARMED.message, ARMED.name, LATCHED)
     for armed, correction in ((False, 0.02), (True, 1.0)):
         rig.publish(Bool(data=armed))
         loop.bench.spin(lambda armed=armed: loop.node._is_applied == armed)

@@ -15,7 +15,7 @@ from furuta.settings.settings import Settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.page.live_node import LiveNode
 from furuta_recordings.recorder_node import RecorderNode
-from furuta_ros.topics import JOINT_STATES, Topic
+from furuta_ros.topics import JOINT_STATES, PARAMETER_EVENTS
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -66,7 +66,7 @@ def test_malformed_messages_do_not_end_the_page(bench: Bench) -> None:
     """Its node leaves them out."""
     received: list[ParameterEvent] = []
     node = bench.add(LiveNode(received.append))
-    events = bench.publisher(Topic("/parameter_events", ParameterEvent))
+    events = bench.publisher(PARAMETER_EVENTS)
     states = bench.publisher(JOINT_STATES.throttled)
     for data in MALFORMED:
         events.publish(data)

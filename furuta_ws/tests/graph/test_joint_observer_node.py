@@ -11,7 +11,8 @@ from testbench import Bench
 
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_friction.joint_friction import JointFriction
-from furuta_ros.topics import BEST_EFFORT, FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
+from furuta_ros.node import BEST_EFFORT
+from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
 
 PERIOD = 2_000_000
 GIVEN = {

@@ -7,8 +7,9 @@ from rclpy.node import Node
 
 from furuta.settings.settings import default_settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
+from furuta_ros.node import QOS
 from furuta_ros.spinning import spin_until
-from furuta_ros.topics import COMMAND, JOINT_STATES, QOS, Topic
+from furuta_ros.topics import COMMAND, JOINT_STATES, Topic
 
 
 @pytest.mark.parametrize("topic", [JOINT_STATES, COMMAND], ids=lambda each: each.name)
@@ -16,7 +17,7 @@ def test_a_second_publisher_is_named(ros: None, capfd: Any, topic: Topic) -> Non
     """By the nodes that receive the topic, again and again."""
     graph = SimulatedGraph(default_settings())
     second = Node("second")
-    second.create_publisher(topic.type, topic.name, QOS)
+    second.create_publisher(topic.message, topic.name, QOS)
     warnings = ""
 
     def named() -> bool:

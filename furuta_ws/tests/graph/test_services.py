@@ -1,6 +1,6 @@
 """How many changes of parameters a node accepts."""
 
-from furuta_ros.parameter_service import BURST, RATE, Allowance
+from furuta_ros.parameters import BURST, RATE, Allowance
 
 
 def test_changes_of_parameters_are_limited() -> None:

@@ -15,8 +15,8 @@ from testbench import Bench
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
-from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
+from furuta_ros.spinning import ros_context
 from furuta_ros.topics import COMMAND, MEASUREMENT
 from furuta_sim.plant_node import PlantNode
 

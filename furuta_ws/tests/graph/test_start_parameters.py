@@ -11,7 +11,7 @@ from furuta.settings.nodes import NODES
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import ParameterError, declared
-from furuta_ros.context import ros_context
+from furuta_ros.spinning import ros_context
 from furuta_sim.plant_node import PlantNode
 
 

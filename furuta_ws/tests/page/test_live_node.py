@@ -13,9 +13,11 @@ from furuta_bringup.page.live_node import LiveNode
 from furuta_bringup.page.samples import ESTIMATE, FRICTION, PHI, THETA_DOT, TIME
 from furuta_ros.spinning import spin_until
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import COMMAND, GROUND_TRUTH, JOINT_STATES, THROTTLED_TOPICS
+from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH, JOINT_STATES
 
 LOOP = (JOINT_STATES, COMMAND)
+# These have a throttled copy each.
+COPIED = (*LOOP, FRICTION_ESTIMATE, GROUND_TRUTH)
 
 
 @pytest.fixture
@@ -38,9 +40,9 @@ def test_simulated_graph(view: LiveNode, settings: Settings) -> None:
     graph = SimulatedGraph(settings)
     spin_until(graph.executor, lambda: view.has_truth)
     view.choose_topics()
-    names = {topic.name for topic in THROTTLED_TOPICS}
+    names = {topic.name for topic in COPIED}
     assert not subscribed(view) & names
-    inputs = [t for t in THROTTLED_TOPICS if t is not JOINT_STATES]
+    inputs = [t for t in COPIED if t is not JOINT_STATES]
     count = graph.plant.count_subscribers
     spin_until(graph.executor, lambda: all(count(t.throttled.name) for t in inputs))
     throttled = [p for n in graph.nodes for p in n.publishers if p.topic_name.endswith("_throttle")]
@@ -60,13 +62,13 @@ def test_simulated_graph(view: LiveNode, settings: Settings) -> None:
 
 def test_node_without_throttled_copies(bench: Bench, view: LiveNode) -> None:
     """A node of another kind publishes the topics only; then the view receives these."""
-    states, commands = (bench.probe.create_publisher(t.type, t.name, 10) for t in LOOP)
+    states, commands = (bench.probe.create_publisher(t.message, t.name, 10) for t in LOOP)
     bench.spin(lambda: all(view.is_published(each) for each in LOOP))
     view.choose_topics()
     assert {JOINT_STATES.name, COMMAND.name} <= subscribed(view)
     assert GROUND_TRUTH.throttled.name not in subscribed(view)
     bench.spin(lambda: all(p.get_subscription_count() for p in (states, commands)))
-    commands.publish(COMMAND.type(data=0.25))
+    commands.publish(COMMAND.message(data=0.25))
     states.publish(joint_state((0.1, 0.2, 0.3, 0.4), 5 * NANOSECONDS, effort=0.5))
 
     def received() -> bool:

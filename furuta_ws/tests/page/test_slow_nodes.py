@@ -8,10 +8,9 @@ from rclpy.node import Node
 from std_srvs.srv import SetBool
 
 from furuta.settings.nodes import HARDWARE_BRIDGE
-from furuta_bringup.page.graph_link import GraphLink
+from furuta_bringup.page.graph_link import GraphLink, SpinningThread
 from furuta_bringup.page.live_page import LivePage
 from furuta_bringup.page.server import PageServer
-from furuta_ros.spinning import SpinningThread
 
 TIMEOUT = 120.0
 

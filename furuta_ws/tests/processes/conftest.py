@@ -1,8 +1,10 @@
 """Running the product as a user does: executables of the install space, and verbs."""
 
+import json
 import logging
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -19,10 +21,10 @@ from furuta.settings.nodes import NODES
 from furuta_bringup import main
 from furuta_bringup.graph.processes import executable
 from furuta_bringup.graph.services import ATTEMPTS, ServiceCaller
-from furuta_hw.emulator.running_rig import ask
 from furuta_model.compiled import NOTICE
 
 TIMEOUT = 240.0
+ANSWER_TIMEOUT = 10.0
 WIDTH = "200"  # of the terminal [characters]
 GRACE = 60.0
 STATUS_AGE = 0.05
@@ -126,8 +128,14 @@ class EmulatedRig:
         assert self.process.stdout.readline().startswith("port: ")
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Send a request to its monitor."""
-        answer = ask(self._monitor, do, **arguments)
+        """Send a request to its monitor; raises OSError without an answer."""
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
+            connection.settimeout(ANSWER_TIMEOUT)
+            connection.connect(str(self._monitor))
+            with connection.makefile("rw") as lines:
+                lines.write(json.dumps({"do": do, **arguments}) + "\n")
+                lines.flush()
+                answer: dict[str, Any] = json.loads(lines.readline())
         assert "error" not in answer, answer
         self._status_time = -inf  # the request may have changed it
         return answer

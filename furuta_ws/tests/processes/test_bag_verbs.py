@@ -13,7 +13,8 @@ from rosbags.typesys import Stores, get_typestore
 
 from furuta_bringup.main import furuta as command_line
 from furuta_recordings.series_columns import COLUMNS
-from furuta_ros.topics import JOINT_STATES, MEASUREMENT, deep
+from furuta_ros.node import deep
+from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +67,7 @@ def output(*arguments: str | Path) -> str:
 def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Path) -> None:
     """Only the chosen topics, one under another name, in order and not too fast."""
     renamed: list[Any] = []
-    bench.probe.create_subscription(JOINT_STATES.type, "renamed", renamed.append, deep(10_000))
+    bench.probe.create_subscription(JOINT_STATES.message, "renamed", renamed.append, deep(10_000))
     kept = bench.collect(MEASUREMENT)
     command = ("bag", "replay", bag, "--topic", "measurement", "--topic", "joint_states")
     start = monotonic()

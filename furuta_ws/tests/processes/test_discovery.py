@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from furuta_bringup.graph.processes import executable
-from furuta_ros.discovery import RANGE, describe_discovery, reaches_network, restrict_discovery
+from furuta_ros.middleware import RANGE, describe_discovery, reaches_network, restrict_discovery
 
 VARIABLES = (RANGE, "ROS_STATIC_PEERS", "ROS_DISCOVERY_SERVER", "ROS_LOCALHOST_ONLY")
 # Of the DDS specification: the port on which a participant receives multicast discovery.

@@ -22,7 +22,8 @@ from furuta_bringup.graph.processes import executable
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.recovery import recover
-from furuta_ros.topics import GROUND_TRUTH, TOPICS, deep
+from furuta_ros.node import deep
+from furuta_ros.topics import GROUND_TRUTH, TOPICS
 from furuta_sim.simulation.closed_loop import simulate
 
 SAMPLES = 300
@@ -46,7 +47,7 @@ def test_killed_controller_is_replaced(bench: Bench, processes: Any) -> None:
     def callback(*taken: Any) -> None:
         receive(*(taken if len(taken) == 2 else taken[0]))
 
-    bench.probe.create_subscription(GROUND_TRUTH.type, GROUND_TRUTH.name, callback, deep(10_000))
+    bench.probe.create_subscription(GROUND_TRUTH.message, GROUND_TRUTH.name, callback, deep(10_000))
     bench.spin(lambda: len(truths) > 10, timeout=120.0)
     stops = []
     for name in ("controller", "friction_observer", "estimator"):

@@ -30,7 +30,8 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.rigs.known_rigs import find_rig, rig_directory
 from furuta_hw.rigs.rig import Rig
 from furuta_model.state import THETA
-from furuta_ros.topics import ACTIVE_MODE, COMMAND, LATCHED, MEASUREMENT
+from furuta_ros.node import LATCHED
+from furuta_ros.topics import ACTIVE_MODE, COMMAND, MEASUREMENT
 from furuta_sim.simulation.closed_loop import Simulation
 
 # Recovery takes several attempts on a loaded machine.
@@ -168,7 +169,7 @@ def test_swings_up_over_the_serial_line(bench: Bench, emulate: Any, tmp_path: Pa
     bridge = start_graph(bench, rig, rig_file, nodes, any_pendulum_angle=True)
     modes: list[str] = []
     bench.probe.create_subscription(
-        ACTIVE_MODE.type, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
+        ACTIVE_MODE.message, ACTIVE_MODE.name, lambda message: modes.append(message.data), LATCHED
     )
     bench.spin(lambda: not hold_and_arm(bench, rig), PATIENCE)
     end = rig.status["driven"] + 8000

@@ -45,7 +45,7 @@ class Subject:
 
     def __init__(self, kind: Any) -> None:
         self.published: list[tuple[float, ...]] = []
-        with patch("furuta_ros.loop_publisher.sender", self._sender):
+        with patch("furuta_ros.node.sender", self._sender):
             self.node = kind()
         self._callbacks = {each.topic_name: each.callback for each in self.node.subscriptions}
 

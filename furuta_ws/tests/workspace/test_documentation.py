@@ -12,7 +12,7 @@ from sources import ROOT
 
 from furuta_bringup.main import furuta
 from furuta_recordings.series_columns import COLUMNS
-from furuta_ros.topics import EVERY_TOPIC
+from furuta_ros.topics import ACTIVE_MODE, ARMED, CLOCK, TIMING, TOPICS
 
 PACKAGES = [file.parent for file in (ROOT / "furuta_ws" / "src").glob("*/package.xml")]
 CONTENTS = ROOT / "docs" / "README.md"
@@ -33,13 +33,14 @@ def every_command() -> tuple[tuple[str, str], ...]:
 def test_page_of_topics_lists_every_topic_and_column() -> None:
     """As they are declared, in this order."""
     page = (ROOT / "docs" / "topics.md").read_text().partition("\n## Record")[0]
-    rows = [
-        f"| `{topic.name}` | {topic.type.__module__.partition('.')[0]}/{topic.type.__name__} "
-        f"| {topic.ends} | {topic.content} |"
-        for topic in EVERY_TOPIC
+    columns = [f"| `{name}` | {about.meaning} [{about.unit}] |" for name, about in COLUMNS.items()]
+    rows = re.findall(r"^\| `.*$", page, re.MULTILINE)
+    topics, described = rows[: -len(columns)], rows[-len(columns) :]
+    assert described == columns
+    assert [row.split(" | ")[:2] for row in topics] == [
+        [f"| `{topic.name}`", topic.type.replace("/msg/", "/")]
+        for topic in (*TOPICS, ACTIVE_MODE, ARMED, CLOCK, TIMING)
     ]
-    rows += [f"| `{name}` | {about.meaning} [{about.unit}] |" for name, about in COLUMNS.items()]
-    assert re.findall(r"^\| `.*$", page, re.MULTILINE) == rows
 
 
 def test_every_page_is_listed() -> None:

@@ -22,7 +22,7 @@ from furuta_recordings.series_columns import (
     known,
 )
 from furuta_recordings.table_files import SUFFIXES, read_columns, write_columns
-from furuta_ros import topic_names
+from furuta_ros import topics
 from furuta_sim.simulation.closed_loop import Record
 
 
@@ -167,8 +167,8 @@ def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
             TIME: recorded.time,
             **by_name(MEASURED, recorded.measurement),
             **by_name(ESTIMATED, recorded.estimate),
-            FRICTION_ESTIMATE: recorded.at_measurements(topic_names.FRICTION_ESTIMATE),
-            COMMAND: recorded.at_measurements(topic_names.COMMAND),
+            FRICTION_ESTIMATE: recorded.at_measurements(topics.FRICTION_ESTIMATE.name),
+            COMMAND: recorded.at_measurements(topics.COMMAND.name),
             **by_name(TRUE, recorded.truth),
         }
     )

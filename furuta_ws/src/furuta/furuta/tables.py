@@ -91,10 +91,11 @@ def random_rigs(
     from furuta.settings.settings import loop_settings
     from furuta.studies.comparison.rigs import NOMINAL, RandomRigs
     from furuta.studies.study_tables import columns
-    from furuta_hw.rigs.known_rigs import find_uncertain_rig
+    from furuta_hw.rigs.known_rigs import rig_file
+    from furuta_hw.rigs.rig_file import load_uncertain_rig
     from furuta_hw.rigs.uncertainty import CERTAIN
 
-    about = (NOMINAL, CERTAIN) if rig is None else find_uncertain_rig(str(rig))
+    about = (NOMINAL, CERTAIN) if rig is None else load_uncertain_rig(rig_file(str(rig)))
     settings = loop_settings(make_loop(rig=rig) if loop is None else checked_loop(loop))
     rigs = RandomRigs(settings, number, seed, tuple(disturbances), *about)
     return columns({_PLANT + name: each for name, each in rig.values.items()} for rig in rigs)

@@ -14,7 +14,7 @@ from furuta_bringup.printing import print_in_any_encoding, printable
 from furuta_model.optional import missing
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
-from furuta_ros.process_start import INTERRUPTED, end_with_parent, exit_on_interrupt
+from furuta_ros.process import INTERRUPTED, end_with_parent, exit_on_interrupt
 
 VERBS = {
     "demo": "Compare four compensations on the real node graph.",

@@ -17,8 +17,9 @@ from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_recordings.readers import Mapping
+from furuta_ros.middleware import ros_domain
+from furuta_ros.one_graph import full_namespace
 from furuta_ros.time_stamps import MOST_SECONDS
-from furuta_ros.topic_names import full_namespace
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -176,12 +177,17 @@ def joined_node(name: str, namespace: str) -> Iterator[tuple[Any, Any]]:
     """A node that joins the graph of a namespace as its client, and its executor."""
     from rclpy.node import Node
 
-    from furuta_ros.context import joined_graph
-    from furuta_ros.spinning import executor_of
+    from furuta_ros.spinning import executor_of, ros_context
 
-    with joined_graph(namespace):
+    with ros_context(namespace=namespace):
         node = Node(name, start_parameter_services=False)
         yield node, executor_of([node])
+        tell_graph(namespace)
+
+
+def tell_graph(namespace: str) -> None:
+    """Say on standard error which graph this process has joined."""
+    print(f"graph: namespace {namespace or '/'}, ROS domain {ros_domain()}", file=sys.stderr)
 
 
 def names_options(function: Function) -> Function:

@@ -15,9 +15,11 @@ from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_model.parameters import build, declared
 from furuta_model.state import SIGNALS
-from furuta_ros.messages import read_joint_state
+from furuta_ros.messages import typed_joint_state
+from furuta_ros.node import deep
 from furuta_ros.spinning import SPIN_TIMEOUT
-from furuta_ros.topics import JOINT_STATES, deep
+from furuta_ros.topics import JOINT_STATES
+from furuta_ros.wire import unpack_joint_state
 
 # Longest wait for the next estimate [s].
 TIMEOUT = 10.0
@@ -35,7 +37,7 @@ class EstimateBuffer:
     def __init__(self, node: Node) -> None:
         self.waiting: deque[bytes] = deque(maxlen=BUFFER_SIZE)
         node.create_subscription(
-            JOINT_STATES.type, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE), raw=True
+            JOINT_STATES.message, JOINT_STATES.name, self._receive, deep(BUFFER_SIZE), raw=True
         )
 
     def _receive(self, message: bytes) -> None:
@@ -79,7 +81,8 @@ class TuningClient:
         samples = max(1, round(seconds / self.estimator.sample_time))
         estimates = np.empty((samples, SIGNALS))
         for row in estimates:
-            read_joint_state(self._next(), row)
+            data = self._next()
+            _, row[:] = unpack_joint_state(data) or typed_joint_state(data)
         return estimates
 
     def _next(self) -> bytes:

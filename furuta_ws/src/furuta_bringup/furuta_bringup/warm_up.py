@@ -23,7 +23,7 @@ from furuta.transfer import transfer
 from furuta_bringup.printing import with_progress
 from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_model.friction.parameters import Friction
-from furuta_ros.context import ros_context
+from furuta_ros.spinning import ros_context
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 # Compensations whose stages are compiled for batches; others are compiled when they are worth it.

@@ -23,13 +23,12 @@ from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
-from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import RefusedError, read_value, typed_joint_state
-from furuta_ros.node import FurutaNode
+from furuta_ros.node import LATCHED, FurutaNode, LoopPublisher
 from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
-from furuta_ros.topics import ACTIVE_MODE, ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES, LATCHED
+from furuta_ros.topics import ACTIVE_MODE, ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES
 from furuta_ros.wire import NO_SIGNALS, Signals, unpack_joint_state, value_bytes
 
 # Time between two warnings that estimates are late [s], the first one at once.
@@ -69,13 +68,13 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self.missed_estimates = 0
         self._active_mode = mode.OFF
         self.design_by(self._design)
-        self._mode_publisher = self.create_publisher(ACTIVE_MODE.type, ACTIVE_MODE.name, LATCHED)
+        self._mode_publisher = self.create_publisher(ACTIVE_MODE.message, ACTIVE_MODE.name, LATCHED)
         self._publish_mode()
         self._publisher = LoopPublisher(self, COMMAND)
         self._reduction = ReductionStatus(self, self._reduction_reason)
         self.subscribe_to(JOINT_STATES, self.on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self.on_friction)
-        self.create_subscription(ARMED.type, ARMED.name, self._on_armed, LATCHED)
+        self.create_subscription(ARMED.message, ARMED.name, self._on_armed, LATCHED)
 
     def _design(self, parameters: ControllerParameters) -> None:
         """Redesign the controller; its memory is kept."""

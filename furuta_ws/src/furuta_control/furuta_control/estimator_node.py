@@ -20,9 +20,8 @@ from furuta_control.estimation import (
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import SIGNAL_NAMES, SIGNALS
-from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import typed_joint_state
-from furuta_ros.node import RARELY, FurutaNode
+from furuta_ros.node import RARELY, FurutaNode, LoopPublisher
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT

@@ -7,7 +7,7 @@ import xacro
 
 from furuta_hw.rigs.known_rigs import find_rig
 from furuta_ros.installed_files import share_directory
-from furuta_ros.topic_names import full_namespace
+from furuta_ros.one_graph import full_namespace
 
 PACKAGE = "furuta_description"
 DEFAULT_RIG = "paper"

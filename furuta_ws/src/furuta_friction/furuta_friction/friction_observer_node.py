@@ -14,12 +14,11 @@ from furuta_friction.joint_observer import ARM, JointMemory, ObserverNodeParamet
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
-from furuta_ros.loop_publisher import LoopPublisher
 from furuta_ros.messages import RefusedError, joint_numbers, typed_joint_state
-from furuta_ros.node import FurutaNode
+from furuta_ros.node import BEST_EFFORT, FurutaNode, LoopPublisher
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
-from furuta_ros.topics import BEST_EFFORT, FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
+from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
 from furuta_ros.wire import NO_SIGNALS, Signals, unpack_joint_state, value_bytes
 
 # Time between two checks of what the compensation needs, and of the adapted levels [s].

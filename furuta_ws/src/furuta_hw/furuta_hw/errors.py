@@ -1,5 +1,6 @@
 """Errors of rigs, drivers and commissioning."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -13,9 +14,11 @@ class LineError(RigError):
 
 
 @contextmanager
-def line_errors() -> Iterator[None]:
-    """Turn the system's errors, including those of pyserial, into :class:`LineError`."""
+def line_errors(what: str = "the line failed") -> Iterator[None]:
+    """Turn the system's errors and those of pyserial into :class:`LineError`, after ``what``."""
     try:
         yield
-    except OSError as error:
-        raise LineError(str(error)) from None
+    except (OSError, TypeError, ValueError) as error:
+        # The system's message: that of pyserial repeats the port.
+        number = getattr(error, "errno", None)
+        raise LineError(f"{what}: {os.strerror(number) if number else error}") from None

@@ -1,6 +1,6 @@
 """Entry points of the executables; they import a node once Ctrl-C can end the process."""
 
-from furuta_ros.process_start import run_entry
+from furuta_ros.process import run_entry
 
 
 def hardware_bridge() -> None:

@@ -20,7 +20,7 @@ class Guard:
 
     def __init__(self, limits: SafetyLimits, sample_time: float) -> None:
         self.limits = limits
-        self._dt = sample_time
+        self.sample_time = sample_time
         self._largest_step = limits.slew_rate * sample_time
         self.armed = False
         self.reason = "not armed yet"
@@ -39,12 +39,12 @@ class Guard:
         """Take note of a sample."""
         last = self._sample
         steps = (sample.number - last.number) % 2**32 if last else 0
-        fade = exp(-steps * self._dt / WINDOW)
+        fade = exp(-steps * self.sample_time / WINDOW)
         self._bad_frames *= fade
         self._disagreement *= fade
         if last and steps:
             moved = sample.arm_angle - last.arm_angle
-            difference = moved - sample.arm_speed * self._dt * steps
+            difference = moved - sample.arm_speed * self.sample_time * steps
             # NaN would stay in the sum for good.
             self._disagreement += difference if isfinite(difference) else 0.0
         self._sample, self._measured_at = sample, now
@@ -149,7 +149,7 @@ class Guard:
         return ""
 
     def _reported_problem(self) -> str:
-        if not self._bad_frames * self._dt / WINDOW <= self.limits.bad_frames:
+        if not self._bad_frames * self.sample_time / WINDOW <= self.limits.bad_frames:
             return f"more than {self.limits.bad_frames:.0%} of the frames are lost or corrupt"
         return "the rig reports a fault" if self._sample and self._sample.fault else ""
 

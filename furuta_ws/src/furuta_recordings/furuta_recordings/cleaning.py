@@ -7,7 +7,7 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
-from furuta_ros.topic_names import JOINTS
+from furuta_ros.topics import JOINTS
 
 FEWEST_SAMPLES = 100
 # Part of the samples that may be before an earlier one.

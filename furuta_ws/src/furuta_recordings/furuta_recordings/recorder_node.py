@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rcl_interfaces.msg import Log, ParameterEvent
+from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
@@ -14,18 +14,16 @@ from sensor_msgs.msg import JointState
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.metadata import PARAMETERS_FILE, BagTopic, offered_qos
 from furuta_recordings.bags.writer import BagWriter
-from furuta_ros import topic_names
 from furuta_ros.errors import UserError
 from furuta_ros.messages import RefusedError, deserialized
+from furuta_ros.node import QOS, deep
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import ACTIVE_MODE, QOS, TIMING, TOPICS, Topic, deep
+from furuta_ros.topics import ACTIVE_MODE, PARAMETER_EVENTS, ROSOUT, TIMING, TOPICS, Topic
 
 # Most messages of a topic that may wait for :meth:`RecorderNode.collect`.
 RECEIVE_DEPTH = 100_000
 # Time [s] between two calls of :meth:`RecorderNode.collect` by whoever runs the recorder.
 COLLECT_EVERY = 0.005
-PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
-ROSOUT = Topic(topic_names.ROSOUT, Log)
 # What is offered on these: rcl keeps a log message for 10 s for late subscribers.
 _OFFERED = {
     PARAMETER_EVENTS: offered_qos(depth=1000),
@@ -73,7 +71,9 @@ class RecorderNode(Node):
         recorded = [self._bag_topic(each) for each in chosen]
         self._bag = BagWriter(path, recorded, files, waits=stamped)
         self._inputs = [
-            self.create_subscription(topic.type, topic.name, _never_called, _qos(topic), raw=True)
+            self.create_subscription(
+                topic.message, topic.name, _never_called, _qos(topic), raw=True
+            )
             for topic in chosen
         ]
         self._expected = [0 for _ in chosen]  # sequence numbers
@@ -81,11 +81,10 @@ class RecorderNode(Node):
     def _bag_topic(self, topic: Topic) -> BagTopic:
         from furuta_recordings.bags.message_types import definition_of, type_hash
 
-        name = _type_name(topic)
-        definition = definition_of(name)
+        definition = definition_of(topic.type)
         qos = _OFFERED.get(topic) or offered_qos(QOS.depth)
         full_name = self.resolve_topic_name(topic.name)
-        return BagTopic(full_name, name, definition, qos, type_hash(name, definition))
+        return BagTopic(full_name, topic.type, definition, qos, type_hash(topic.type, definition))
 
     def collect(self) -> None:
         """Add all received messages to the bag."""
@@ -187,8 +186,3 @@ def _qos(topic: Topic) -> QoSProfile:
     if topic in (ROSOUT, ACTIVE_MODE):
         qos.durability = QoSDurabilityPolicy.TRANSIENT_LOCAL
     return qos
-
-
-def _type_name(topic: Topic) -> str:
-    package, _, _ = topic.type.__module__.partition(".")
-    return f"{package}/msg/{topic.type.__name__}"

@@ -10,11 +10,10 @@ from typing import Annotated, NamedTuple
 
 from furuta_model.parameters import About, ParameterError
 from furuta_recordings.recorder_node import COLLECT_EVERY, RecorderNode
-from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.node import FurutaNode
-from furuta_ros.process_end import bounded_end
-from furuta_ros.spinning import StopSignal, fail
+from furuta_ros.process import StopSignal, bounded_end
+from furuta_ros.spinning import fail, ros_context
 
 
 class RecorderParameters(NamedTuple):

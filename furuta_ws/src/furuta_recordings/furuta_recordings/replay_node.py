@@ -13,10 +13,10 @@ from rclpy.publisher import Publisher
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag, last_part
 from furuta_ros.errors import UserError, first_line
+from furuta_ros.node import deep
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topic_names import ACTIVE_MODE, PARAMETER_EVENTS, ROSOUT
-from furuta_ros.topics import deep
+from furuta_ros.topics import ACTIVE_MODE, PARAMETER_EVENTS, ROSOUT
 
 # Depth of the publishers' queues. At full speed a subscriber may be this far behind, and the
 # middleware may ask, seconds later, for a message that its transport has lost.
@@ -119,7 +119,8 @@ class ReplayNode(Node):
         publishers = [
             publisher
             for topic, publisher in self._topic_publishers.items()
-            if topic not in (PARAMETER_EVENTS, ROSOUT) and last_part(topic) != ACTIVE_MODE
+            if topic not in (PARAMETER_EVENTS.name, ROSOUT.name)
+            and last_part(topic) != ACTIVE_MODE.name
         ]
         while not stop():
             missing = [p.topic_name for p in publishers if not p.get_subscription_count()]

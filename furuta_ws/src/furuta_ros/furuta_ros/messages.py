@@ -6,7 +6,6 @@ See :mod:`furuta_ros.wire` for the usual layout.
 from math import nan
 from typing import Any
 
-import numpy as np
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64
@@ -15,7 +14,9 @@ from furuta_model.parameters import shortened
 from furuta_model.state import LARGEST_VALUE
 from furuta_ros.time_stamps import stamp_nanoseconds
 from furuta_ros.topics import JOINTS
-from furuta_ros.wire import ENCODING, FLOAT64, Signals, unpack_joint_state
+from furuta_ros.wire import ENCODING, FLOAT64, Signals
+
+NAMES = list(JOINTS)
 
 
 class RefusedError(ValueError):
@@ -31,17 +32,17 @@ def typed_joint_state(data: bytes) -> tuple[int, Signals]:
     """
     message: JointState = deserialized(data, JointState)
     position, velocity, efforts = message.position, message.velocity, message.effort
-    if len(position) != len(JOINTS) or len(velocity) != len(JOINTS):
+    if len(position) != len(NAMES) or len(velocity) != len(NAMES):
         raise RefusedError(
-            f"needs position and velocity of {JOINTS}, given {len(position)} positions and "
+            f"needs position and velocity of {NAMES}, given {len(position)} positions and "
             f"{len(velocity)} velocities"
         )
-    if len(efforts) not in (0, len(JOINTS)):
-        raise RefusedError(f"needs effort of {JOINTS} or none, given {len(efforts)}")
-    if sorted(message.name) != JOINTS:
+    if len(efforts) not in (0, len(NAMES)):
+        raise RefusedError(f"needs effort of {NAMES} or none, given {len(efforts)}")
+    if sorted(message.name) != NAMES:
         given = shortened(list(message.name))
-        raise RefusedError(f"joint names must be {JOINTS}, given {given}")
-    arm, pendulum = map(message.name.index, JOINTS)
+        raise RefusedError(f"joint names must be {NAMES}, given {given}")
+    arm, pendulum = map(message.name.index, NAMES)
     of_arm, of_pendulum = (position[arm], velocity[arm]), (position[pendulum], velocity[pendulum])
     return stamp_nanoseconds(message), (*of_arm, *of_pendulum, efforts[arm] if efforts else nan)
 
@@ -59,12 +60,6 @@ def joint_numbers(data: bytes, joint: str) -> tuple[int, list[float]] | None:
     series = message.position, message.velocity, message.effort
     numbers = [float(each[index]) if index < len(each) else nan for each in series]
     return stamp_nanoseconds(message), numbers
-
-
-def read_joint_state(data: bytes, x: np.ndarray) -> int:
-    """Write state and effort of a serialised JointState to ``x`` (5,); return its stamp [ns]."""
-    stamp, x[:] = unpack_joint_state(data) or typed_joint_state(data)
-    return stamp
 
 
 def value_of(data: bytes) -> float:

@@ -1,4 +1,8 @@
-"""What is ROS in a node of the graph: parameters, subscriptions, publishers, warnings."""
+"""What is ROS in a node of the graph: parameters, subscriptions, publishers, warnings.
+
+The loop needs every sample, so its topics are reliable. With a depth of a few samples a slow
+subscriber gets the newest ones and does not block the publisher.
+"""
 
 from collections.abc import Callable, Sequence
 from functools import wraps
@@ -9,22 +13,38 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import QoSProfile
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from furuta_model.compiled import load_machinery
-from furuta_ros.discovery import clock_advice
 from furuta_ros.errors import UserError, first_line
 from furuta_ros.messages import RefusedError
-from furuta_ros.parameter_service import FurutaParameterService
-from furuta_ros.parameters import NodeParameters
+from furuta_ros.middleware import clock_advice
+from furuta_ros.parameters import FurutaParameterService, NodeParameters
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import CLOCK, QOS, Topic
+from furuta_ros.topics import CLOCK, Topic
 
 Group = TypeVar("Group", bound=NamedTuple)
 
+QOS = QoSProfile(
+    depth=10,
+    reliability=QoSReliabilityPolicy.RELIABLE,
+    durability=QoSDurabilityPolicy.VOLATILE,
+)
+# A late subscriber gets the last messages.
+LATCHED = QoSProfile(
+    depth=QOS.depth,
+    reliability=QoSReliabilityPolicy.RELIABLE,
+    durability=QoSDurabilityPolicy.TRANSIENT_LOCAL,
+)
+# Robots publish their states either way; a best-effort subscriber receives both.
+BEST_EFFORT = QoSProfile(depth=10, reliability=QoSReliabilityPolicy.BEST_EFFORT)
+
+# Shortest time between two messages on the copy, by the stamps of their samples [ns].
+COPY_PERIOD = NANOSECONDS // 100
 # Shortest time between two warnings of one kind [s], and of what causes them again and again.
 WARNING_PERIOD, RARELY = 1.0, 10.0
 # Time between two checks for second publishers [s].
@@ -33,6 +53,48 @@ CHECK_PERIOD = 1.0
 # the messages of that time by where the rig was.
 MAX_AGE = 0.05
 _OLDEST = round(MAX_AGE * NANOSECONDS)
+
+
+def deep(depth: int) -> QoSProfile:
+    """The loop's quality of service with a queue of ``depth`` messages, for a slow subscriber."""
+    return QoSProfile(depth=depth, reliability=QOS.reliability, durability=QOS.durability)
+
+
+def sender(publisher: Publisher) -> Callable[[bytes], None]:
+    """Publishes serialised messages.
+
+    ``publisher.publish`` first asks of each message which type it has, for a third of its time.
+    """
+    send: Callable[[bytes], None] = publisher.handle.publish_raw
+    return send
+
+
+class LoopPublisher:
+    """Publishes serialised messages on ``topic``, and some again on its throttled copy.
+
+    A program that draws needs a hundred samples per second. Receiving all of them would cost the
+    publisher's process time on every sample.
+    """
+
+    def __init__(self, node: Node, topic: Topic) -> None:
+        copy = topic.throttled
+        self._publisher = node.create_publisher(topic.message, topic.name, QOS)
+        self._send = sender(self._publisher)
+        self._copy = node.create_publisher(copy.message, copy.name, QOS)
+        self._last = -COPY_PERIOD
+
+    def publish(self, data: bytes, stamp: int) -> None:
+        """Publish the message of the sample at ``stamp`` [ns]."""
+        self._send(data)
+        if not self._last <= stamp < self._last + COPY_PERIOD:
+            self._last = stamp
+            if self._copy.get_subscription_count() > 0:
+                self._copy.publish(data)
+
+    def is_wanted(self) -> bool:
+        """Whether somebody subscribes to either."""
+        publishers = self._publisher, self._copy
+        return any(each.get_subscription_count() > 0 for each in publishers)
 
 
 class FurutaNode(Node, Generic[Group]):
@@ -110,7 +172,7 @@ class FurutaNode(Node, Generic[Group]):
             except Exception as error:
                 self._report_failure(topic.name, error)
 
-        super().create_subscription(topic.type, topic.name, checked, qos, raw=True)
+        super().create_subscription(topic.message, topic.name, checked, qos, raw=True)
 
     def second_publishers(self, topics: Sequence[Topic]) -> str:
         """Who publishes a topic besides its publisher; empty if nobody does."""

@@ -1,33 +1,18 @@
-"""One graph in a namespace and domain: a second one on this computer does not start.
+"""A graph has a namespace and a domain; a second one there does not start on this computer.
 
 Discovery cannot tell in time: it may take seconds until a node lists those of another process.
 """
 
-from __future__ import annotations
-
 import os
+import re
 import socket
-from typing import TYPE_CHECKING
 
-from furuta_ros.discovery import is_private
+from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
-
-if TYPE_CHECKING:
-    from rclpy.node import Node
+from furuta_ros.middleware import is_private
 
 # Longest name of a socket in bytes (sun_path of unix(7), without its first byte).
 LONGEST = 107
-
-
-def claim_graph(node: Node) -> socket.socket:
-    """Claim the graph of the node's namespace and domain (:func:`claim`)."""
-    return claim(node.context.get_domain_id(), node.get_namespace())
-
-
-def ros_domain() -> int:
-    """The ROS domain of a process that has not started ROS yet."""
-    given = os.environ.get("ROS_DOMAIN_ID", "")
-    return int(given) if given.isdecimal() else 0
 
 
 def claim(domain: int, namespace: str) -> socket.socket:
@@ -61,3 +46,15 @@ def namespace_option(namespace: str) -> str:
     """What a command for the graph of a namespace ends with."""
     name = namespace.strip("/")
     return f" --namespace {name}" if name else ""
+
+
+def full_namespace(name: str) -> str:
+    """The namespace with its leading slash, or empty; raises ParameterError if it is not valid."""
+    bare = name.strip("/")
+    if not bare:
+        return ""
+    if not re.fullmatch(r"[A-Za-z_]\w*(/[A-Za-z_]\w*)*", bare, re.ASCII):
+        raise ParameterError(
+            f"a namespace has letters, digits and _, and no digit first, given {name!r}"
+        )
+    return f"/{bare}"

@@ -1,8 +1,12 @@
-"""ROS parameters of a node from a declared group of parameters (furuta_model.parameters)."""
+"""ROS parameters of a node from a declared group of parameters (furuta_model.parameters).
+
+Their services give way to the node's samples.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
+from time import monotonic
 from typing import Generic, NamedTuple, TypeVar
 
 from rcl_interfaces.msg import (
@@ -11,9 +15,12 @@ from rcl_interfaces.msg import (
     ParameterDescriptor,
     SetParametersResult,
 )
-from rclpy.exceptions import InvalidParameterTypeException
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.srv import SetParameters, SetParametersAtomically
+from rclpy.exceptions import InvalidParameterTypeException, ParameterException
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from rclpy.parameter_service import ParameterService
 
 from furuta_model.accepted_parts import (
     OWN_PARTS,
@@ -23,8 +30,8 @@ from furuta_model.accepted_parts import (
     parts_in,
 )
 from furuta_model.parameters import Declared, ParameterError, build, declared, shortened
-from furuta_ros.context import ros_arguments
 from furuta_ros.parameter_files import check_names, sections_given
+from furuta_ros.process import ROS_ARGUMENTS
 from furuta_ros.yaml_files import parse_yaml
 
 Group = TypeVar("Group", bound=NamedTuple)
@@ -36,6 +43,8 @@ _TYPES = {
     str: Parameter.Type.STRING,
     list: Parameter.Type.DOUBLE_ARRAY,
 }
+# Changes per second that a process makes in the long run, and at once.
+RATE, BURST = 50.0, 20.0
 
 
 class NodeParameters(Generic[Group]):
@@ -75,15 +84,20 @@ class NodeParameters(Generic[Group]):
         declaration = self._names.get(parameter.name)
         if declaration is None:
             return parameter
-        if declaration.kind is list:
-            return _with_list(parameter, declaration)
-        value = declaration.word_from_bool(parameter.value)
+        kind, value = parameter.type_, parameter.value
+        if declaration.kind is not list:
+            value = declaration.word_from_bool(value)
+        elif value is None or ("ARRAY" in kind.name and len(value) == 0):
+            # The default: ROS tools do not know the type of an empty list, files give no value.
+            value = list(declaration.default)
+        elif kind == Parameter.Type.INTEGER_ARRAY:
+            value = [float(element) for element in value]
         return parameter if value is parameter.value else Parameter(parameter.name, value=value)
 
     def _warn_about_names(self) -> None:
         full_name = self._node.get_fully_qualified_name()
         given = self._node._parameter_overrides
-        for warning in check_names(full_name, self._names, given, sections_given(ros_arguments())):
+        for warning in check_names(full_name, self._names, given, sections_given(ROS_ARGUMENTS)):
             self._node.get_logger().warning(warning)
 
     def _declare(self, declaration: Declared) -> None:
@@ -118,7 +132,7 @@ def _accept_own_parts(node: Node) -> None:
 
     A parameter file can come from anywhere: it may only repeat names that are accepted.
     """
-    accept_parts(_named_parts(ros_arguments()))
+    accept_parts(_named_parts(ROS_ARGUMENTS))
     given = node._parameter_overrides.pop(OWN_PARTS, None)
     refused = [name for name in parts_in(given.value if given else "") if not is_accepted(name)]
     if refused:
@@ -137,16 +151,6 @@ def _named_parts(arguments: Sequence[str]) -> Iterator[str]:
         name, _, text = value.partition(":=")
         if flag in ("-p", "--param") and name.rpartition(":")[2] == OWN_PARTS:
             yield from parts_in(parse_yaml(text, OWN_PARTS))
-
-
-def _with_list(parameter: Parameter, declaration: Declared) -> Parameter:
-    """An empty list means the default: ROS tools do not know its type, files give no value."""
-    kind, value = parameter.type_, parameter.value
-    if value is None or ("ARRAY" in kind.name and len(value) == 0):
-        return Parameter(parameter.name, value=list(declaration.default))
-    if kind == Parameter.Type.INTEGER_ARRAY:
-        return Parameter(parameter.name, value=[float(element) for element in value])
-    return parameter
 
 
 def _descriptor(declaration: Declared) -> ParameterDescriptor:
@@ -169,3 +173,67 @@ def _descriptor(declaration: Declared) -> ParameterDescriptor:
         ends = {"from_value": int(about.low), "to_value": int(about.high)}
         descriptor.integer_range = [IntegerRange(**ends, step=1)]
     return descriptor
+
+
+class Allowance:
+    """Permits ``RATE`` changes per second, and ``BURST`` at once."""
+
+    def __init__(self, clock: Callable[[], float] = monotonic) -> None:
+        self._clock = clock
+        self._left, self._at = BURST, clock()
+
+    def take(self) -> bool:
+        """Whether one more change is permitted now."""
+        now = self._clock()
+        self._left = min(BURST, self._left + RATE * (now - self._at))
+        self._at = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
+# All nodes of a process share a thread with its samples.
+_allowance = Allowance()
+
+
+class FurutaParameterService(ParameterService):
+    """Refuses changes beyond a rate, and those that ROS cannot read, with a reason.
+
+    Without ``limited`` it accepts any number, for a node that may be late.
+    """
+
+    def __init__(self, node: Node) -> None:
+        super().__init__(node)
+        self.limited = True
+
+    def _set_parameters_callback(
+        self, request: SetParameters.Request, response: SetParameters.Response
+    ) -> SetParameters.Response:
+        """Set each parameter by itself; all at once if they are valid, which costs one change."""
+        together = self._change(request.parameters)
+        separate = not together.successful and len(request.parameters) > 1
+        response.results = [
+            self._change([parameter]) if separate else together for parameter in request.parameters
+        ]
+        return response
+
+    def _set_parameters_atomically_callback(
+        self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response
+    ) -> SetParametersAtomically.Response:
+        response.result = self._change(request.parameters)
+        return response
+
+    def _change(self, messages: Sequence[ParameterMessage]) -> SetParametersResult:
+        """Set all of the parameters or none."""
+        if self.limited and not _allowance.take():
+            return _refused(f"more than {RATE:g} changes of parameters per second; try again")
+        try:
+            given = [Parameter.from_parameter_msg(message) for message in messages]
+            return self._get_node().set_parameters_atomically(given)
+        except (ParameterException, ValueError) as error:
+            return _refused(str(error))
+
+
+def _refused(reason: str) -> SetParametersResult:
+    return SetParametersResult(successful=False, reason=reason)

@@ -20,7 +20,7 @@ class ReductionStatus:
     def __init__(self, node: FurutaNode, reason: Callable[[], str]) -> None:
         self._node, self._reason = node, reason
         self._reduced = False
-        self._publisher = node.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, 10)
+        self._publisher = node.create_publisher(DIAGNOSTICS.message, DIAGNOSTICS.name, 10)
         node.steady_timer(REPORT_PERIOD, self._report_again)
 
     def report(self) -> None:

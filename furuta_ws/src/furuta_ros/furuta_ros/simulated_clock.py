@@ -6,8 +6,9 @@ from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 
 from furuta_ros.errors import UserError
+from furuta_ros.node import QOS
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import CLOCK, QOS
+from furuta_ros.topics import CLOCK
 
 # Simulated time between two messages [ns].
 CLOCK_PERIOD = 10_000_000
@@ -20,7 +21,7 @@ class SimulatedClock:
     """
 
     def __init__(self, node: Node, topic: str = CLOCK.name) -> None:
-        self._publisher = node.create_publisher(CLOCK.type, topic, QOS)
+        self._publisher = node.create_publisher(CLOCK.message, topic, QOS)
         self._message = Clock()
         self.due = 0  # when the next message is due [ns]
 

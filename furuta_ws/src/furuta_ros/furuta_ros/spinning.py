@@ -1,31 +1,71 @@
-"""Running nodes in a process: one executor, a clean end, errors in one line."""
+"""ROS in a process: its start, one executor for all nodes, a clean end, errors in one line."""
 
 import gc
 import inspect
 import sys
-import threading
-from collections.abc import Callable, Iterable
-from contextlib import nullcontext
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
+import rclpy
+import rclpy.logging
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
-from rclpy.task import Future
+from rclpy.signals import SignalHandlerOptions
 
 from furuta_model.parameters import ParameterError, shortened
-from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError, first_line
+from furuta_ros.middleware import (
+    describe_discovery,
+    no_discovery,
+    prepare_middleware,
+    reaches_network,
+)
 from furuta_ros.node import FurutaNode
-from furuta_ros.one_graph import claim_graph
-from furuta_ros.process_end import StopSignal, bounded_end
-from furuta_ros.process_start import own_arguments
+from furuta_ros.one_graph import claim
+from furuta_ros.process import ROS_ARGUMENTS, StopSignal, bounded_end, own_arguments
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.
 SPIN_TIMEOUT = 0.1
+
+
+@contextmanager
+def ros_context(
+    arguments: Sequence[str] | None = (), namespace: str = "", private: bool = False
+) -> Iterator[None]:
+    """ROS runs inside the ``with`` block and ends with it, on this machine unless chosen otherwise.
+
+    ``arguments`` are command-line arguments; None means those of the process. All nodes that the
+    block makes are in ``namespace``. With ``private`` they discover no node of another process.
+    Signals keep their Python handlers: rclpy's own would end ROS before the nodes have finished.
+
+    Raises:
+        UserError: ROS cannot use the arguments.
+    """
+    given = None if arguments is None else list(arguments)
+    if namespace:
+        given = [*(given or []), "--ros-args", "--remap", f"__ns:={namespace}"]
+    prepare_middleware()
+    ROS_ARGUMENTS[:] = sys.argv if given is None else given
+    with no_discovery() if private else nullcontext():
+        try:
+            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
+        except Exception as error:  # rclpy raises types here that it does not export
+            unknown = "unknown arguments " if type(error).__name__ == "UnknownROSArgsError" else ""
+            reason = f"{unknown}{first_line(error)}"
+            if "logging directory" in reason:
+                reason += "; set ROS_LOG_DIR or HOME to a directory that can be written"
+            raise UserError(f"cannot start ROS: {reason}") from None
+        log = rclpy.logging.get_logger("discovery")
+        (log.info if reaches_network() else log.debug)(describe_discovery())
+        try:
+            yield
+        finally:
+            rclpy.try_shutdown()
 
 
 def executor_of(nodes: Iterable[Node]) -> Executor:
@@ -40,31 +80,6 @@ def spin_until(executor: Executor, done: Callable[[], bool]) -> None:
     """Spin until ``done()``, which is checked at least every ``SPIN_TIMEOUT`` seconds."""
     while not done():
         executor.spin_once(timeout_sec=SPIN_TIMEOUT)
-
-
-class SpinningThread:
-    """Spins ``nodes`` until :meth:`close`, so that several threads can wait for responses."""
-
-    def __init__(self, nodes: Iterable[Node]) -> None:
-        self._executor = executor_of(nodes)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
-        """Wait until ``future`` is done or the time is up, in any other thread."""
-        done = threading.Event()
-        future.add_done_callback(lambda _: done.set())
-        done.wait(timeout_sec)
-
-    def close(self, timeout: float) -> None:
-        """Stop spinning, and wait up to ``timeout`` [s] for the thread."""
-        self._ended.set()
-        self._executor.wake()
-        self._thread.join(timeout)
-
-    def _run(self) -> None:
-        spin_until(self._executor, self._ended.is_set)
 
 
 def prepare_to_spin() -> None:
@@ -99,7 +114,8 @@ def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
 
 def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
     node = make()
-    with claim_graph(node) if node.one_per_graph else nullcontext():
+    graph = node.context.get_domain_id(), node.get_namespace()
+    with claim(*graph) if node.one_per_graph else nullcontext():
         executor = executor_of([node])
         prepare_to_spin()
         if stop():

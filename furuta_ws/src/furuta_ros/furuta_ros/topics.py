@@ -1,132 +1,72 @@
-"""The graph's contract: topic names, types and quality of service, in one place.
+"""The graph's contract: joints, topics with their types, transitions of the bridge. Needs no ROS.
 
-Names are relative, so that a namespace or a remapping moves a whole graph. The loop needs every
-sample, so topics are reliable. With a depth of a few samples a slow subscriber gets the newest
-ones and does not block the publisher.
+Names are relative, so that a namespace or a remapping moves a whole graph.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from importlib import import_module
+from typing import Any, Final, NamedTuple
 
-from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.qos import QoSDurabilityPolicy, QoSProfile, QoSReliabilityPolicy
-from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Bool, Float64, String, UInt64MultiArray
+JOINTS: Final = ("arm", "pendulum")
+JOINT_STATE: Final = "sensor_msgs/msg/JointState"
+FLOAT64: Final = "std_msgs/msg/Float64"
 
-from furuta_ros import topic_names
-
-JOINTS = list(topic_names.JOINTS)
-
-QOS = QoSProfile(
-    depth=10,
-    reliability=QoSReliabilityPolicy.RELIABLE,
-    durability=QoSDurabilityPolicy.VOLATILE,
-)
-
-# Robots publish their states either way; a best-effort subscriber receives both.
-BEST_EFFORT = QoSProfile(depth=10, reliability=QoSReliabilityPolicy.BEST_EFFORT)
-
-
-def deep(depth: int) -> QoSProfile:
-    """The same quality of service with a queue of ``depth`` messages, for a slow subscriber."""
-    return QoSProfile(depth=depth, reliability=QOS.reliability, durability=QOS.durability)
+# Transitions of the managed bridge by name, each with the state after it.
+TRANSITIONS: Final = {
+    "configure": "inactive",
+    "activate": "active",
+    "deactivate": "inactive",
+    "cleanup": "unconfigured",
+}
 
 
 class Topic(NamedTuple):
-    """A topic of the graph: name, type, who publishes it for whom, and what it contains."""
+    """A topic of the graph (docs/topics.md)."""
 
     name: str
-    type: Any
-    ends: str = ""
-    content: str = ""
+    type: str
+
+    @property
+    def message(self) -> Any:
+        """The class of its messages."""
+        package, _, name = self.type.partition("/msg/")
+        return getattr(import_module(f"{package}.msg"), name)
 
     @property
     def throttled(self) -> Topic:
-        """The topic with some of these messages, for programs that draw."""
-        publisher = self.ends.partition(" →")[0]
-        return Topic(
-            self.name + topic_names.THROTTLED,
-            self.type,
-            f"{publisher} → programs that draw",
-            f"about 100 messages of `{self.name}` per second of the loop's time",
-        )
+        """About 100 of these messages per second of the loop's time, for programs that draw."""
+        return Topic(f"{self.name}_throttle", self.type)
 
 
-MEASUREMENT = Topic(
-    topic_names.MEASUREMENT,
-    JointState,
-    "plant → estimator",
-    "sensor readings, NaN where there is no sensor; `effort[0]` is the torque applied since the "
-    "previous sample [V]",
-)
-JOINT_STATES = Topic(
-    topic_names.JOINT_STATES,
-    JointState,
-    "estimator → observer, controller",
-    "state estimate; `effort[0]` is the observed friction [V]",
-)
-REFERENCE = Topic(
-    topic_names.REFERENCE,
-    JointState,
-    "trajectory generator → observer of a joint",
-    "velocity that the joint is to have",
-)
-FRICTION_ESTIMATE = Topic(
-    topic_names.FRICTION_ESTIMATE, Float64, "friction observer → controller", "F̂ [V]"
-)
-COMMAND = Topic(topic_names.COMMAND, Float64, "controller → plant", "u [V], saturated")
-GROUND_TRUTH = Topic(
-    topic_names.GROUND_TRUTH,
-    JointState,
-    "plant → any subscriber",
-    "true state; `effort[0]` is the true friction F [V]; published while somebody subscribes",
-)
-
-# A late subscriber gets the last ones.
-ACTIVE_MODE = Topic(
-    topic_names.ACTIVE_MODE,
-    String,
-    "controller → any subscriber",
-    "what the controller does, sent when that changes; transient local",
-)
-ARMED = Topic(
-    topic_names.ARMED,
-    Bool,
-    "hardware bridge → controller",
-    "whether the rig applies commands, sent when that changes; transient local",
-)
-LATCHED = QoSProfile(
-    depth=QOS.depth,
-    reliability=QoSReliabilityPolicy.RELIABLE,
-    durability=QoSDurabilityPolicy.TRANSIENT_LOCAL,
-)
-
+# Sensor readings, NaN without a sensor. Effort of the arm: the torque applied since the previous
+# sample [V].
+MEASUREMENT = Topic("measurement", JOINT_STATE)
+# Effort of the arm: the observed friction [V].
+JOINT_STATES = Topic("joint_states", JOINT_STATE)
+# The velocity that a robot's joint is to have.
+REFERENCE = Topic("reference", JOINT_STATE)
+FRICTION_ESTIMATE = Topic("friction_estimate", FLOAT64)
+COMMAND = Topic("command", FLOAT64)
+# Effort of the arm: the true friction F [V]. Published while somebody subscribes.
+GROUND_TRUTH = Topic("ground_truth", JOINT_STATE)
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
-# These have a throttled copy each: about a hundred messages per second of the loop's time.
-THROTTLED_TOPICS = (JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
+# What the controller does, and whether a rig applies its commands. Sent when that changes; a late
+# subscriber gets the last ones.
+ACTIVE_MODE = Topic("active_mode", "std_msgs/msg/String")
+ARMED = Topic("armed", "std_msgs/msg/Bool")
 
 # Two rows of counts: the latency from measurement to command and the lateness of the measurement.
 # A label says how wide a bin is.
-TIMING = Topic(
-    topic_names.TIMING,
-    UInt64MultiArray,
-    "plant → any subscriber",
-    "histograms of latency and lateness in real time, once a second",
-)
+TIMING = Topic("timing", "std_msgs/msg/UInt64MultiArray")
 
-# Its name is relative too: two graphs must not mix their times.
-CLOCK = Topic(
-    topic_names.CLOCK,
-    Clock,
-    "plant → nodes with `use_sim_time`",
-    "simulated time in lock-step",
-)
+# Simulated time. Its name is relative too: two graphs must not mix their times.
+CLOCK = Topic("clock", "rosgraph_msgs/msg/Clock")
 
 # Every ROS 2 program for robots publishes its state here; the bridge does so for the rig.
-DIAGNOSTICS = Topic("/diagnostics", DiagnosticArray)
+DIAGNOSTICS = Topic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
 
-# Every topic that the nodes of the graph publish.
-EVERY_TOPIC = (*TOPICS, ACTIVE_MODE, ARMED, CLOCK, TIMING)
+# Every ROS 2 node reports its parameter changes on one and its log messages on the other.
+PARAMETER_EVENTS = Topic("/parameter_events", "rcl_interfaces/msg/ParameterEvent")
+ROSOUT = Topic("/rosout", "rcl_interfaces/msg/Log")

@@ -10,7 +10,7 @@ command seconds late: one that was sent before its measurement is ignored.
 
 from time import monotonic, time_ns
 
-from furuta_ros.discovery import clock_advice
+from furuta_ros.middleware import clock_advice
 from furuta_ros.simulated_clock import SimulatedClock
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, JOINT_STATES, MEASUREMENT, Topic
 from furuta_sim.simulated_plant import SimulatedPlant

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from std_msgs.msg import MultiArrayDimension, MultiArrayLayout, UInt64MultiArray
 
-from furuta_ros.node import RARELY
+from furuta_ros.node import QOS, RARELY
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import QOS, TIMING
+from furuta_ros.topics import TIMING
 from furuta_sim.simulated_plant import SimulatedPlant
 
 # Histograms count in bins of 1 µs. The last one [µs] also counts all longer durations.
@@ -93,7 +93,7 @@ class RealTime:
         self.timing_counts = TimingCounts()
         self.latency, self.lateness = Histogram(), Histogram()
         self._publish_time = 0
-        self._timing = plant.create_publisher(TIMING.type, TIMING.name, QOS)
+        self._timing = plant.create_publisher(TIMING.message, TIMING.name, QOS)
         # Stamps are in ROS time, deadlines in steady time: adjusting the clock moves no deadline.
         plant.start = plant.get_clock().now().nanoseconds
         self._first_deadline = monotonic_ns()

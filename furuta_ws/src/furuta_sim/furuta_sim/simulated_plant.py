@@ -8,10 +8,9 @@ from std_srvs.srv import Trigger
 
 from furuta_model.block import block
 from furuta_model.compiled import for_types_of
-from furuta_ros.loop_publisher import LoopPublisher, sender
-from furuta_ros.node import FurutaNode
+from furuta_ros.node import QOS, FurutaNode, LoopPublisher, sender
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT, QOS
+from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT
 from furuta_ros.wire import joint_state_bytes
 from furuta_sim.parameters import PlantNodeParameters
 from furuta_sim.plant import (
@@ -53,7 +52,7 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         self.held, self._is_resetting = True, False
         self._memory, self._noise = initial_plant(self._rig), Noise(self._rig.seed)
         self._torque, self._message = 0.0, b""
-        self._send = sender(self.create_publisher(MEASUREMENT.type, MEASUREMENT.name, QOS))
+        self._send = sender(self.create_publisher(MEASUREMENT.message, MEASUREMENT.name, QOS))
         self._truth = LoopPublisher(self, GROUND_TRUTH)
         self._look_at, self._is_truth_wanted = 0, False
         self.create_service(Trigger, "~/reset", self._reset)

@@ -5,7 +5,7 @@ import subprocess
 from collections.abc import Sequence
 from typing import Any
 
-from furuta_ros.process_start import INTERRUPTED, child_environment
+from furuta_ros.process import INTERRUPTED, child_environment
 
 # Time for a process to end after SIGTERM [s].
 END_TIMEOUT = 5.0

@@ -21,7 +21,7 @@ from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
 from furuta_ros.errors import UserError
 from furuta_ros.node import FurutaNode
-from furuta_ros.one_graph import claim_graph
+from furuta_ros.one_graph import claim
 from furuta_ros.spinning import executor_of, prepare_to_spin, spin_until
 from furuta_sim.plant_node import PlantNode
 
@@ -50,7 +50,8 @@ class ComposedGraph:
         # The controlled system last: the real time of the plant starts when it is made.
         made = {node.name: _make(node, settings) for node in reversed(described)}
         check_graph({name: node.parameters for name, node in made.items()})
-        self._claim = claim_graph(made[self.controlled])
+        controlled = made[self.controlled]
+        self._claim = claim(controlled.context.get_domain_id(), controlled.get_namespace())
         self._by_name = made
         self.nodes: list[Node] = [*(made[node.name] for node in described), *others]
         self._recorder = record() if record is not None else None

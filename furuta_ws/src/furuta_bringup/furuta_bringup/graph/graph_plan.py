@@ -29,8 +29,8 @@ from furuta.settings.settings import (
 from furuta_hw.rigs.known_rigs import find_rig, rig_file
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError, build, values
-from furuta_ros.one_graph import ros_domain, view_command
-from furuta_ros.topic_names import full_namespace
+from furuta_ros.middleware import ros_domain
+from furuta_ros.one_graph import full_namespace, view_command
 
 
 class GraphOptions(NamedTuple):

@@ -13,10 +13,10 @@ from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_model.accepted_parts import OWN_PARTS, accepted_parts
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recorder_node import MakeRecorder, RecorderNode
-from furuta_ros.context import ros_context
-from furuta_ros.one_graph import claim, ros_domain
-from furuta_ros.process_end import StopSignal, bounded_end
-from furuta_ros.spinning import fail
+from furuta_ros.middleware import ros_domain
+from furuta_ros.one_graph import claim
+from furuta_ros.process import StopSignal, bounded_end
+from furuta_ros.spinning import fail, ros_context
 
 # Time between two checks of the processes and of what to record [s].
 CHECK_PERIOD = 0.02

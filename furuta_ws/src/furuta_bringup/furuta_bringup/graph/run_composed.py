@@ -11,11 +11,10 @@ from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_bringup.graph.scheduling import Scheduling, apply_scheduling
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
-from furuta_ros.context import ros_context
 from furuta_ros.errors import UserError
 from furuta_ros.one_graph import namespace_option
-from furuta_ros.process_end import StopSignal, bounded_end
-from furuta_ros.spinning import spin_until
+from furuta_ros.process import StopSignal, bounded_end
+from furuta_ros.spinning import ros_context, spin_until
 
 # Time without a sample after which a run of limited time ends [s]: it is counted in samples.
 LONGEST_SILENCE = 10.0

@@ -27,7 +27,7 @@ class ServiceCaller:
     """Calls services of other nodes, from one thread or from several.
 
     ``node`` makes the requests and ``executor`` spins it, or waits while another thread does: an
-    executor of rclpy, or a :class:`furuta_ros.spinning.SpinningThread`.
+    executor of rclpy, or a :class:`furuta_bringup.page.graph_link.SpinningThread`.
     """
 
     def __init__(self, node: Node, executor: Any) -> None:

@@ -11,8 +11,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_bringup.graph.services import ATTEMPTS, ServiceCaller, ServiceError
-from furuta_ros.topic_names import TRANSITIONS
-from furuta_ros.topics import DIAGNOSTICS
+from furuta_ros.topics import DIAGNOSTICS, TRANSITIONS
 
 # Longest wait for the bridge [s].
 TIMEOUT = 10.0
@@ -63,7 +62,7 @@ class BridgeClient:
                 if ours and status.level == DiagnosticStatus.ERROR and not stopped.done():
                     stopped.set_result(status.message)
 
-        self._node.create_subscription(DIAGNOSTICS.type, DIAGNOSTICS.name, receive, 10)
+        self._node.create_subscription(DIAGNOSTICS.message, DIAGNOSTICS.name, receive, 10)
         self._executor.spin_until_future_complete(stopped, timeout_sec=STARTING)
         if stopped.done():
             raise ServiceError(f"armed, and stopped at once: {stopped.result()}")

@@ -4,11 +4,13 @@ A node that hangs holds up the calls behind it. So the search for nodes, what th
 arming and the pace have a thread each: *Disarm* never waits for another node.
 """
 
-from collections.abc import Mapping
+import threading
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.node import Node
+from rclpy.task import Future
 
 from furuta.settings.nodes import PLANT
 from furuta.settings.parameter_names import by_node
@@ -18,13 +20,38 @@ from furuta_bringup.graph.system_client import BridgeClient, reset_plant
 from furuta_bringup.page.jobs import Jobs
 from furuta_bringup.page.parameter_panel import Described
 from furuta_ros.parameter_files import is_of_ros
-from furuta_ros.spinning import SpinningThread
+from furuta_ros.spinning import executor_of, spin_until
 
 # A push that begins at once and lasts 0.1 s of the plant's time.
 PUSH = {"pushes.times": [0.0], "pushes.durations": [0.1]}
 NO_PUSH = {"pushes." + of: [0.0] for of in ("arm", "pendulum", "base_x", "base_y")}
 # Longest wait for the end of a call when the view ends [s].
 END_TIMEOUT = 1.0
+
+
+class SpinningThread:
+    """Spins ``nodes`` until :meth:`close`, so that several threads can wait for responses."""
+
+    def __init__(self, nodes: Iterable[Node]) -> None:
+        self._executor = executor_of(nodes)
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
+        """Wait until ``future`` is done or the time is up, in any other thread."""
+        done = threading.Event()
+        future.add_done_callback(lambda _: done.set())
+        done.wait(timeout_sec)
+
+    def close(self, timeout: float) -> None:
+        """Stop spinning, and wait up to ``timeout`` [s] for the thread."""
+        self._ended.set()
+        self._executor.wake()
+        self._thread.join(timeout)
+
+    def _run(self) -> None:
+        spin_until(self._executor, self._ended.is_set)
 
 
 class GraphLink:

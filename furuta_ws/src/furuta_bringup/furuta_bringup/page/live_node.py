@@ -23,8 +23,7 @@ from std_msgs.msg import UInt64MultiArray
 from furuta_bringup.page.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA, TIME, Samples
 from furuta_bringup.page.samples import COMMAND as COMMAND_COLUMN
 from furuta_model.state import RIGID_STATES, SIGNALS, is_possible
-from furuta_ros import topic_names
-from furuta_ros.messages import RefusedError, deserialized, read_joint_state, value_of
+from furuta_ros.messages import RefusedError, deserialized, typed_joint_state, value_of
 from furuta_ros.reduction_status import NAME_END
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
@@ -33,9 +32,11 @@ from furuta_ros.topics import (
     FRICTION_ESTIMATE,
     GROUND_TRUTH,
     JOINT_STATES,
+    PARAMETER_EVENTS,
     TIMING,
     Topic,
 )
+from furuta_ros.wire import unpack_joint_state
 
 # Messages that wait between two collections; in fast lock-step the older ones are dropped. But no
 # change of a parameter is lost.
@@ -47,8 +48,6 @@ KEPT = 12
 PERIOD = NANOSECONDS // RATE
 # Bytes of a serialised JointState up to the end of its stamp.
 SMALLEST = 12
-
-PARAMETER_EVENTS = Topic(topic_names.PARAMETER_EVENTS, ParameterEvent)
 
 
 class LiveNode(Node):
@@ -118,9 +117,10 @@ class LiveNode(Node):
         if 0 <= stamp - self._last_stamp < PERIOD:
             return
         try:
-            self._last_stamp = read_joint_state(serialized, self._x)
+            read = unpack_joint_state(serialized) or typed_joint_state(serialized)
         except RefusedError:
             return
+        self._last_stamp, self._x[:] = read
         if not is_possible(self._x):
             return
         sample = np.full(COLUMNS, nan)
@@ -143,7 +143,7 @@ class LiveNode(Node):
 
     def subscribe(self, topic: Topic, qos: QoSProfile = NEWEST_QOS) -> Subscription:
         """A subscription whose messages wait until they are taken."""
-        return self.create_subscription(topic.type, topic.name, _never_called, qos, raw=True)
+        return self.create_subscription(topic.message, topic.name, _never_called, qos, raw=True)
 
 
 class Input:

@@ -10,6 +10,7 @@ import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
+from furuta_bringup.options import tell_graph
 from furuta_bringup.page.charts import SECONDS, Charts
 from furuta_bringup.page.exact_cycle import (
     analysed_loop,
@@ -45,8 +46,8 @@ from furuta_bringup.page.simulation_controls import (
 )
 from furuta_description.robot_description import robot_description
 from furuta_model.pendulum import FurutaPendulum
-from furuta_ros.context import ros_context, tell_graph
-from furuta_ros.process_end import StopSignal, bounded_end
+from furuta_ros.process import StopSignal, bounded_end
+from furuta_ros.spinning import ros_context
 
 # Time between two drawings [s]; every how many of them charts and figures are drawn, of the same
 # samples, and nodes are searched for.

@@ -9,7 +9,7 @@ from urdf_parser_py.urdf import URDF, Cylinder, Sphere
 from viser.transforms import SO3
 
 from furuta_bringup.page.samples import PHI, THETA
-from furuta_ros.topic_names import JOINTS
+from furuta_ros.topics import JOINTS
 
 ROOT = "/robot"
 GROUND = (226, 232, 240)

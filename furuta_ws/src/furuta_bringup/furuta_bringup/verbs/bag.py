@@ -130,9 +130,8 @@ def replay(
 ) -> None:
     """Publish the messages of BAG with their original timing."""
     from furuta_recordings.replay_node import ReplayNode, ReplayOptions
-    from furuta_ros.context import ros_context
-    from furuta_ros.process_end import bounded_end
-    from furuta_ros.spinning import StopSignal
+    from furuta_ros.process import StopSignal, bounded_end
+    from furuta_ros.spinning import ros_context
 
     with ros_context():
         node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))

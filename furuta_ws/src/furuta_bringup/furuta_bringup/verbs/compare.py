@@ -28,7 +28,8 @@ from furuta_bringup.options import (
     rig_option,
 )
 from furuta_bringup.printing import print_json, show
-from furuta_hw.rigs.known_rigs import find_uncertain_rig, rig_file
+from furuta_hw.rigs.known_rigs import rig_file
+from furuta_hw.rigs.rig_file import load_uncertain_rig
 from furuta_hw.rigs.uncertainty import CERTAIN
 from furuta_model.parameters import ParameterError
 from furuta_recordings.suffixes import TABLE_SUFFIXES
@@ -120,7 +121,7 @@ def command(
     if table is not None:
         check_table(table)
     settings = load_settings((rig_file(rig), *files) if rig else files, assignments)
-    about, uncertainty = find_uncertain_rig(rig) if rig else (NOMINAL, CERTAIN)
+    about, uncertainty = load_uncertain_rig(rig_file(rig)) if rig else (NOMINAL, CERTAIN)
     random = RandomRigs(settings, number, seed, disturb, about, uncertainty)
     candidates = parse_candidates(texts or STANDARD, settings)
     chosen = named_rigs(settings) if truths else random

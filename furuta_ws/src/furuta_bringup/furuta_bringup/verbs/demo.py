@@ -75,7 +75,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     from furuta_bringup.printing import with_progress
     from furuta_bringup.warm_up import compile_nodes, workers
     from furuta_recordings.bags.recorded_loop import read_recorded_run
-    from furuta_ros.context import ros_context
+    from furuta_ros.spinning import ros_context
 
     # An interrupted demo leaves the results of an earlier one as they were.
     bag, new = directory / "bag", directory / "unfinished" / "bag"

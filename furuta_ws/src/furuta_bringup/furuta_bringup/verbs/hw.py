@@ -23,8 +23,8 @@ from furuta_bringup.printing import print_json, show
 from furuta_hw.commissioning import RAMP_RATE
 from furuta_hw.errors import RigError
 from furuta_ros.errors import UserError
-from furuta_ros.process_start import interrupt_raised
-from furuta_ros.topic_names import TRANSITIONS
+from furuta_ros.process import interrupt_raised
+from furuta_ros.topics import TRANSITIONS
 
 if TYPE_CHECKING:
     from furuta_bringup.graph.system_client import BridgeClient

@@ -62,7 +62,7 @@ def command(
     """
     from furuta_bringup.graph.processes import run_processes
     from furuta_bringup.graph.run_composed import run_hardware, run_simulated
-    from furuta_ros.process_end import StopSignal
+    from furuta_ros.process import StopSignal
 
     scheduling = Scheduling(priority or 0, lock_memory)
     if processes and (seconds is not None or scheduling != Scheduling()):

@@ -130,7 +130,7 @@ def _tune_running(
     from furuta.studies.tuning import tune
     from furuta_bringup.graph.parameter_client import ParameterClient
     from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
-    from furuta_ros.process_end import StopSignal
+    from furuta_ros.process import StopSignal
 
     with joined_node("furuta_tune", namespace) as (node, executor):
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)

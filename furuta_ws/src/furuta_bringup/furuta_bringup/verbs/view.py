@@ -50,8 +50,9 @@ def command(
         run_page(PageServer(port), namespace, opens=not no_open)
         return
     from furuta_bringup.verbs import run
-    from furuta_ros.one_graph import claim, ros_domain
-    from furuta_ros.process_start import child_environment
+    from furuta_ros.middleware import ros_domain
+    from furuta_ros.one_graph import claim
+    from furuta_ros.process import child_environment
 
     # What would end the graph at once ends this command, before it prints an address.
     shared = ["--namespace", namespace] if namespace else []

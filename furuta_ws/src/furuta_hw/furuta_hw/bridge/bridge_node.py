@@ -22,22 +22,18 @@ from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
-from furuta_ros.discovery import describe_discovery, reaches_network
-from furuta_ros.loop_publisher import sender
 from furuta_ros.messages import RefusedError, value_of
-from furuta_ros.node import FurutaNode
+from furuta_ros.middleware import describe_discovery, reaches_network
+from furuta_ros.node import LATCHED, QOS, FurutaNode, sender
 from furuta_ros.simulated_clock import reject_simulated_time
 from furuta_ros.spinning import run_node
-from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
     ARMED,
     COMMAND,
     DIAGNOSTICS,
     FRICTION_ESTIMATE,
     JOINT_STATES,
-    LATCHED,
     MEASUREMENT,
-    QOS,
     Topic,
 )
 from furuta_ros.wire import joint_state_bytes
@@ -76,14 +72,12 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self.failure = ""  # why the last transition failed
         self.samples = 0
         self._receive_scheduled = False
-        self._sample_clock = SampleClock(self._period)
-        self._restarts = 0
         self._timers_when_configured: list[Timer] = []
-        self._send = sender(self.create_publisher(MEASUREMENT.type, MEASUREMENT.name, QOS))
+        self._send = sender(self.create_publisher(MEASUREMENT.message, MEASUREMENT.name, QOS))
         self._armed = Bool()
-        self._armed_publisher = self.create_publisher(ARMED.type, ARMED.name, LATCHED)
+        self._armed_publisher = self.create_publisher(ARMED.message, ARMED.name, LATCHED)
         self._armed_publisher.publish(self._armed)
-        self._diagnostics = self.create_publisher(DIAGNOSTICS.type, DIAGNOSTICS.name, 10)
+        self._diagnostics = self.create_publisher(DIAGNOSTICS.message, DIAGNOSTICS.name, 10)
         self.subscribe_to(COMMAND, self._on_command)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
@@ -127,7 +121,6 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             limits = limits._replace(pendulum_angle=pi)
         self.guard = Guard(limits, self.rig.line.sample_time)
         self.guarded_rig = GuardedRig(connection, self.guard, self._report_stop)
-        self._sample_clock, self._restarts = SampleClock(self._period), 0
         self._timers_when_configured = [
             self.steady_timer(CHECK_PERIOD, self._check),
             self.steady_timer(PUBLISHERS_PERIOD, lambda: self._stop_on_second_publisher(LOOP)),
@@ -177,11 +170,6 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             self.get_logger().info("armed")
         return reason
 
-    @property
-    def _period(self) -> int:
-        """The rig's sample time [ns]."""
-        return round(self.rig.line.sample_time * NANOSECONDS)
-
     def _close(self) -> None:
         for timer in self._timers_when_configured:
             self.destroy_timer(timer)
@@ -213,17 +201,14 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             return  # closed while this call was pending
         was_connected = guarded.connection.connected
         for sample in guarded.samples():
-            self._publish(sample)
+            self._publish(sample, guarded.clock)
         if guarded.connection.connected and not was_connected:
             self.get_logger().info("the line is open again")
-        if guarded.restarts != self._restarts:
-            self._restarts = guarded.restarts
-            self._sample_clock = SampleClock(self._period)
 
-    def _publish(self, sample: RigSample) -> None:
+    def _publish(self, sample: RigSample, clock: SampleClock) -> None:
         self.samples += 1
         now = self.get_clock().now().nanoseconds
-        stamp = self._sample_clock.stamp(sample.number, now)
+        stamp = clock.stamp(sample.number, now)
         readings = sample.arm_angle, sample.arm_speed, sample.pendulum_angle, nan, sample.voltage
         self._send(joint_state_bytes(stamp, readings))
 

@@ -8,6 +8,7 @@ from furuta_hw.connection.rig_connection import RigConnection
 from furuta_hw.connection.rig_driver import RigSample
 from furuta_hw.errors import LineError
 from furuta_hw.guard import Guard
+from furuta_ros.time_stamps import NANOSECONDS
 
 # Largest correction of the stamps per period: far above a crystal's error, far below the jitter.
 SLEW = 200e-6
@@ -26,7 +27,7 @@ class GuardedRig:
         self.guard = guard
         self._report_stop = report_stop
         self._reported_stops = guard.stops
-        self.restarts = 0  # how often the numbering of samples has started again
+        self._restart_clock()
 
     def samples(self) -> Iterator[RigSample]:
         """Yield the new samples after the guard has checked each of them."""
@@ -93,7 +94,11 @@ class GuardedRig:
             self.guard.stop(str(error))
             self._handle_stop()
             self.guard.forget_samples()
-            self.restarts += 1
+            self._restart_clock()
+
+    def _restart_clock(self) -> None:
+        """Begin to stamp samples, because their numbers start again."""
+        self.clock = SampleClock(round(self.guard.sample_time * NANOSECONDS))
 
 
 class SampleClock:

@@ -88,9 +88,9 @@ class RigSession:
                 guard.count_bad_frames(self.statistics().bad - bad_frames)
                 bad_frames = self.statistics().bad
                 now = monotonic()
-                if not guard.armed:
-                    self._arm(guard, now, sample)
                 guard.measured(now, sample)
+                if not guard.armed:
+                    self._arm(guard, now)
                 applied = guard.command(now, volts)
                 if applied is None:
                     raise RigError(guard.reason)
@@ -113,12 +113,8 @@ class RigSession:
         for sample in samples:
             yield sample._replace(arm_angle=sample.arm_angle - start, at_rail=False)
 
-    def _arm(self, guard: Guard, now: float, sample: RigSample) -> None:
-        if guard.stops:
-            raise RigError(guard.reason)
-        guard.measured(now, sample)
-        guard.command(now, 0.0)
-        reason = guard.arm(now)
+    def _arm(self, guard: Guard, now: float) -> None:
+        reason = guard.reason if guard.stops else guard.arm(now)
         if reason:
             raise RigError(reason)
         self._driver.arm()

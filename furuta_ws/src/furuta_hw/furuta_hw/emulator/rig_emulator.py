@@ -8,7 +8,6 @@ a driven rig waits for the answer to each sample.
 import argparse
 import gc
 import os
-import signal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -24,7 +23,7 @@ from furuta_hw.emulator.running_rig import RunningRig, serve
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError
-from furuta_ros.process_start import INTERRUPTED, own_arguments, set_interrupt_handler
+from furuta_ros.process import INTERRUPTED, StopSignal, own_arguments
 from furuta_ros.yaml_files import parse_yaml
 
 # Priority in the real-time scheduler. Any value precedes processes without real-time priority.
@@ -34,7 +33,7 @@ PRIORITY = 10
 def main() -> None:
     """Entry point of the executable ``rig_emulator``."""
     options = _parse_arguments()
-    stop = _stop_signal()
+    stop = StopSignal()
     try:
         running = _make_rig(options)
         if options.monitor:
@@ -102,7 +101,7 @@ def _make_rig(options: argparse.Namespace) -> RunningRig:
     rig = load_rig(options.rig) if options.rig else Rig()
     plant = plant_of(rig, initial_state_of(_values(options.initial)), options.seed)
     faults = with_faults(Faults(), _values(options.fault))
-    make_firmware: Callable[..., Any] = Firmware
+    make_firmware: Callable[[int, int, int], Firmware] = Firmware
     if options.firmware or options.loop:
         make_firmware = partial(CompiledFirmware, loop=options.loop)
     return RunningRig(EmulatedRig(rig, plant, faults, make_firmware), rig.line.sample_time)
@@ -119,10 +118,3 @@ def _raise_priority() -> None:
     """Run before other processes if the system permits it: no load slows a real rig."""
     with suppress(PermissionError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
-
-
-def _stop_signal() -> Callable[[], bool]:
-    received: list[int] = []
-    set_interrupt_handler(lambda number, _: received.append(number))
-    signal.signal(signal.SIGTERM, lambda number, _: received.append(number))
-    return lambda: bool(received)

@@ -28,8 +28,6 @@ SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns]: the host restarts a rig that is silent
 # for longer.
 ANSWER_TIMEOUT = round(0.5e9 * RETRY_PERIOD)
-# Longest wait for an answer [s].
-TIMEOUT = 10.0
 # Columns of the log: when the sample was due (steady clock), the state after ``volts`` [V] over it.
 # ``answered`` is the sample of the newest command or arming.
 COLUMNS = (
@@ -140,7 +138,7 @@ class RunningRig:
         with self._lock:
             return self._answer_at_once(do, request)
 
-    def _answer_at_once(self, do: Any, request: dict[str, Any]) -> dict[str, Any]:
+    def _answer_at_once(self, do: object, request: dict[str, Any]) -> dict[str, Any]:
         if do == "faults":
             self.rig.faults = with_faults(self.rig.faults, request)
             return self.rig.faults._asdict()
@@ -188,15 +186,3 @@ def serve(path: Path, answer: Callable[[dict[str, Any]], dict[str, Any]]) -> Non
                     lines.flush()
 
     Thread(target=accept, name="monitor", daemon=True).start()
-
-
-def ask(monitor: Path, do: str, **arguments: Any) -> dict[str, Any]:
-    """Send a request to the emulated rig with this socket; raises OSError without an answer."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
-        connection.settimeout(TIMEOUT)
-        connection.connect(str(monitor))
-        with connection.makefile("rw") as lines:
-            lines.write(json.dumps({"do": do, **arguments}) + "\n")
-            lines.flush()
-            reply: dict[str, Any] = json.loads(lines.readline())
-            return reply

@@ -3,8 +3,7 @@
 from pathlib import Path
 
 from furuta_hw.rigs.rig import Rig
-from furuta_hw.rigs.rig_file import load_rig, load_uncertain_rig
-from furuta_hw.rigs.uncertainty import Uncertainty
+from furuta_hw.rigs.rig_file import load_rig
 from furuta_model.parameters import ParameterError, suggestion
 from furuta_ros.installed_files import share_directory
 
@@ -41,8 +40,3 @@ def rig_file(name: str) -> Path:
 def find_rig(name: str) -> Rig:
     """The rig of that name or file."""
     return load_rig(rig_file(name))
-
-
-def find_uncertain_rig(name: str) -> tuple[Rig, Uncertainty]:
-    """The rig of that name or file, and the uncertainty of its values."""
-    return load_uncertain_rig(rig_file(name))

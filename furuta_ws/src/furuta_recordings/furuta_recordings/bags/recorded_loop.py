@@ -11,24 +11,21 @@ from rosbags.interfaces import Connection
 from furuta_model.parameters import ParameterError
 from furuta_model.state import EFFORT, RIGID_STATES, SIGNALS
 from furuta_recordings.bags.bag import Bag, last_part
-from furuta_recordings.bags.series import JOINT_STATE_TYPE, Series, read_series
+from furuta_recordings.bags.series import Series, read_series
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topic_names import (
+from furuta_ros.topics import (
     COMMAND,
     FRICTION_ESTIMATE,
     GROUND_TRUTH,
     JOINT_STATES,
     JOINTS,
     MEASUREMENT,
+    TOPICS,
 )
 
-# Topics of the graph with and without a stamp, and their types; a bag with other types is of
-# another rig.
-NUMBERS = (FRICTION_ESTIMATE, COMMAND)
-TYPES = {
-    **dict.fromkeys((MEASUREMENT, JOINT_STATES, GROUND_TRUTH), JOINT_STATE_TYPE),
-    **dict.fromkeys(NUMBERS, "std_msgs/msg/Float64"),
-}
+# Topics without a stamp, and the types of all; a bag with other types is of another rig.
+NUMBERS = (FRICTION_ESTIMATE.name, COMMAND.name)
+TYPES = {topic.name: topic.type for topic in TOPICS}
 
 
 class RecordedLoop(NamedTuple):
@@ -69,7 +66,7 @@ class RecordedLoop(NamedTuple):
 def graph_topics(path: Path, bag: Bag) -> list[Connection]:
     """The topics of the graph in a bag; none in the bag of another rig."""
     topics = [topic for topic in bag.connections if last_part(topic.topic) in TYPES]
-    measured = {topic.topic for topic in topics if last_part(topic.topic) == MEASUREMENT}
+    measured = {topic.topic for topic in topics if last_part(topic.topic) == MEASUREMENT.name}
     if len(measured) > 1:
         raise ParameterError(f"{path} holds several graphs: {', '.join(sorted(measured))}")
     usual = all(TYPES[last_part(topic.topic)] == topic.msgtype for topic in topics)
@@ -82,17 +79,17 @@ def read_recorded_loop(path: Path) -> RecordedLoop:
         topics = [topic.topic for topic in graph_topics(path, bag)]
         series = dict.fromkeys(TYPES, Series())
         series |= {last_part(name): each for name, each in read_series(bag, topics).items()}
-    measured = series[MEASUREMENT]
+    measured = series[MEASUREMENT.name]
     if not len(measured.stamps):
-        raise ParameterError(f"{path}: no message on {MEASUREMENT} of the graph")
+        raise ParameterError(f"{path}: no message on {MEASUREMENT.name} of the graph")
     first = np.sort(np.unique(measured.stamps, return_index=True)[1])
     stamps = measured.stamps[first]
     return RecordedLoop(
         stamps,
         measured.arrivals[first],
         _signals(measured)[first],
-        _at(stamps, series[JOINT_STATES]),
-        _at(stamps, series[GROUND_TRUTH]),
+        _at(stamps, series[JOINT_STATES.name]),
+        _at(stamps, series[GROUND_TRUTH.name]),
         {name: (series[name].arrivals, series[name].values) for name in NUMBERS},
     )
 
@@ -133,5 +130,5 @@ def read_recorded_run(path: Path) -> RecordedRun:
     """Read a lock-step recording with ground truth."""
     loop = read_recorded_loop(path)
     state, friction = loop.truth[:, :RIGID_STATES], loop.truth[:, EFFORT]
-    numbers = (loop.at_measurements(topic) for topic in (FRICTION_ESTIMATE, COMMAND))
+    numbers = (loop.at_measurements(topic) for topic in NUMBERS)
     return RecordedRun(loop.stamps / NANOSECONDS, state, friction, *numbers)

@@ -13,10 +13,9 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_ros.time_stamps import stamp_nanoseconds
-from furuta_ros.topic_names import JOINTS
+from furuta_ros.topics import JOINT_STATE, JOINTS
 from furuta_ros.wire import unpack_joint_state
 
-JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"
 QUANTITIES = ("position", "velocity", "effort")
 # Name of a joint, its position, velocity and effort, and whether the effort is only commanded.
 Numbers = tuple[str, list[float], bool]
@@ -79,7 +78,7 @@ class Series:
 
     def add_joints(self, time: int, data: bytes, type_name: str, bag: Bag) -> None:
         """Add a message of joint states that arrived at ``time`` [ns]."""
-        usual = unpack_joint_state(data) if type_name == JOINT_STATE_TYPE else None
+        usual = unpack_joint_state(data) if type_name == JOINT_STATE else None
         if usual is not None:  # read ten times as fast
             stamp, (phi, phi_dot, theta, theta_dot, effort) = usual
             (of_pendulum,) = unpack_from("<d", data, len(data) - 8)
@@ -163,7 +162,7 @@ def _trajectory(message: Any) -> Iterator[Numbers]:
 
 # What holds joint states, the usual type first; the others are of the package control_msgs.
 STATE_TYPES: dict[str, Callable[[Any], Iterator[Numbers]]] = {
-    JOINT_STATE_TYPE: _joint_state,
+    JOINT_STATE: _joint_state,
     "control_msgs/msg/DynamicJointState": _dynamic,
     "control_msgs/msg/JointTrajectoryControllerState": _trajectory,
 }

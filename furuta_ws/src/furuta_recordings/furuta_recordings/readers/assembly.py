@@ -10,7 +10,7 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, RIGID_STATES, THETA
 from furuta_recordings.readers.columns import ANGLE_UNITS, COUNT_UNITS
 from furuta_recordings.recording import Recording
-from furuta_ros.topic_names import JOINTS
+from furuta_ros.topics import JOINTS
 
 # Part of the samples of either joint that have both, below which the joints come in turn.
 TOGETHER = 0.5

@@ -12,13 +12,13 @@ import numpy as np
 from furuta_model.parameters import ParameterError, build
 from furuta_model.sensors import Actuator
 from furuta_recordings.bags.bag import Bag, last_part, parameter_file_of
-from furuta_recordings.bags.series import JOINT_STATE_TYPE, STATE_TYPES, Series, read_series
+from furuta_recordings.bags.series import JOINT_STATE, STATE_TYPES, Series, read_series
 from furuta_recordings.readers.assembly import Joint, recording_of
 from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of, only_one
 from furuta_recordings.recording import Recording
 from furuta_ros.parameter_files import read_sections
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topic_names import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
+from furuta_ros.topics import JOINT_STATES, MEASUREMENT, PARAMETER_EVENTS, ROSOUT
 
 # The name of a command that is the effort of the joint states.
 EFFORT = "effort"
@@ -52,7 +52,7 @@ def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recordi
         driven = _command_topic(path, types, topic, drive)
         commands = Series() if driven is None else read_series(bag, [driven])[driven]
     own = states.of_joint(joint)
-    about = f"position of {joint} from {topic}" * (types[topic] != JOINT_STATE_TYPE)
+    about = f"position of {joint} from {topic}" * (types[topic] != JOINT_STATE)
     # A measured effort is that before its sample, a commanded one that after it. The fit finds a
     # delay, but none below 0.
     content = _Content(path, own, commands, driven is None, effort_is_past=True)
@@ -109,7 +109,7 @@ def _read(path: Path, mapping: Mapping) -> _Content:
     if not series[states].joints:
         raise ParameterError(f"{path}: no joint in the messages on {states}")
     commands = series[command] if command is not None else Series()
-    past = last_part(states) == MEASUREMENT
+    past = last_part(states) == MEASUREMENT.name
     return _Content(path, series[states], commands, driven and command is None, past)
 
 
@@ -119,7 +119,7 @@ def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
     if mapping.states:
         matching = [topic for topic in every if topic.strip("/") == mapping.states.strip("/")]
     else:
-        matching = _usual([t for t in every if types[t] == JOINT_STATE_TYPE] or every)
+        matching = _usual([t for t in every if types[t] == JOINT_STATE] or every)
     if not matching:
         asked = f"no joint states on {mapping.states}; " if mapping.states else ""
         raise ParameterError(f"{path}: {asked}{_no_states(types)}")
@@ -128,7 +128,9 @@ def _states_topic(path: Path, types: dict[str, str], mapping: Mapping) -> str:
 
 def _usual(topics: list[str]) -> list[str]:
     """Of several topics of joint states those with a usual name, if there are any."""
-    named = [[t for t in topics if last_part(t) == name] for name in (MEASUREMENT, JOINT_STATES)]
+    named = [
+        [t for t in topics if last_part(t) == each.name] for each in (MEASUREMENT, JOINT_STATES)
+    ]
     return named[0] or named[1] or topics
 
 
@@ -143,7 +145,9 @@ def _command_topic(path: Path, types: dict[str, str], states: str, mapping: Mapp
     if mapping.command:
         matching = [topic for topic in types if topic.strip("/") == mapping.command.strip("/")]
     else:
-        others = [topic for topic in types if topic not in (states, PARAMETER_EVENTS, ROSOUT)]
+        others = [
+            topic for topic in types if topic not in (states, PARAMETER_EVENTS.name, ROSOUT.name)
+        ]
         exact = [topic for topic in others if last_part(topic) in COMMANDS]
         parts = [name for name in COMMANDS if len(name) > 1]
         matching = exact or [t for t in others if any(name in last_part(t) for name in parts)]

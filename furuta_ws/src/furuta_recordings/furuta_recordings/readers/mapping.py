@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from furuta_model.parameters import ParameterError
-from furuta_ros.topic_names import JOINTS
+from furuta_ros.topics import JOINTS
 
 # Usual names of the command, looked for if the user names none.
 COMMANDS = ("command", "effort_control", "u", "voltage")

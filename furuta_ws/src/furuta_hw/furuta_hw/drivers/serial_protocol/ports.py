@@ -6,7 +6,7 @@ from typing import Protocol
 import serial
 
 from furuta_hw.connection.rig_driver import READ_TIMEOUT
-from furuta_hw.errors import LineError
+from furuta_hw.errors import LineError, line_errors
 from furuta_hw.rigs.rig import Rig
 
 # The port name that stands for an emulated rig in this process.
@@ -30,25 +30,19 @@ class SerialPort:
     """A serial port through pyserial, held exclusively."""
 
     def __init__(self, port: str, baud: int) -> None:
-        try:
+        with line_errors(f"cannot open {port}"):
             self._port = serial.Serial(port, baud, timeout=READ_TIMEOUT, exclusive=True)
             self._port.reset_input_buffer()
-        except (serial.SerialException, OSError, ValueError) as error:
-            raise LineError(f"cannot open {port}: {_reason(error)}") from None
 
     def read(self) -> bytes:
         """Wait for bytes and return them."""
-        try:
+        with line_errors():
             return bytes(self._port.read(1) + self._port.read(self._port.in_waiting))
-        except (serial.SerialException, OSError, TypeError) as error:
-            raise LineError(f"the line failed: {_reason(error)}") from None
 
     def write(self, data: bytes) -> None:
         """Send without waiting: a line without room for a frame is too slow to drive a rig."""
-        try:
+        with line_errors("the line does not accept data"):
             sent = os.write(self._port.fileno(), data)
-        except (serial.SerialException, OSError) as error:
-            raise LineError(f"the line does not accept data: {_reason(error)}") from None
         if sent < len(data):
             raise LineError("the line does not accept data: its buffer is full")
 
@@ -67,9 +61,3 @@ def open_port(name: str, rig: Rig) -> Port:
     if not name:
         raise LineError("no port given; name the serial port, or mock")
     return SerialPort(name, rig.line.baud)
-
-
-def _reason(error: Exception) -> str:
-    """The system's message; that of pyserial repeats the port."""
-    number = getattr(error, "errno", None)
-    return os.strerror(number) if number else str(error)

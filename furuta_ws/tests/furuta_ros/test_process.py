@@ -6,11 +6,11 @@ import sys
 
 import pytest
 
-from furuta_ros.process_end import bounded_end
+from furuta_ros.process import bounded_end
 
 BOTH_SIGNALS = """
 import os, signal
-from furuta_ros.process_end import StopSignal
+from furuta_ros.process import StopSignal
 
 both = (signal.SIGINT, signal.SIGTERM)
 stop = StopSignal()
