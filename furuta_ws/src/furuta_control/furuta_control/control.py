@@ -28,9 +28,8 @@ from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParamet
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.own_functions import OwnMemory, forget_own, own_function, sample_function
-from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
+from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.registry import designed_once
 
 BALANCE, OPEN_LOOP, SWING_UP, OFF, OWN = range(5)
 MODES = (

@@ -23,9 +23,8 @@ from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.linear import KalmanParameters
 from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_function, sample_function
-from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, shortened
+from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.registry import designed_once
 from furuta_model.sensors import Sensors
 from furuta_model.state import (
     APPLIED_TORQUE,

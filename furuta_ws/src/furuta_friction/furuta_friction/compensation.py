@@ -29,8 +29,7 @@ from furuta_friction.compensators.own import OwnCompensation
 from furuta_model.compiled import inlined
 from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import OwnMemory, forget_own, own_function, sample_function
-from furuta_model.parameters import INLINE, SELECTS, About
-from furuta_model.registry import designed_once
+from furuta_model.parameters import INLINE, SELECTS, About, designed_once
 from furuta_model.state import PHI, PHI_DOT
 
 NONE, COULOMB, STICTION, LUGRE, ADAPTIVE, DISTURBANCE_OBSERVER, COMBINED, OWN = range(8)

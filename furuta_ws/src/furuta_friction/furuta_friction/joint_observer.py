@@ -29,8 +29,7 @@ from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.block import zeros
 from furuta_model.compiled import inlined
 from furuta_model.elementary import sin_cos
-from furuta_model.parameters import INLINE, SELECTS, About, ParameterError
-from furuta_model.registry import designed_once
+from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once
 from furuta_model.sensors import variance
 from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, SIGNALS
 

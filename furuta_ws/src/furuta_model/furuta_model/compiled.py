@@ -13,7 +13,7 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
@@ -68,24 +68,6 @@ def compiled(function: Function, cached: bool = True, **options: Any) -> Functio
         dispatcher.get_call_template = unwrapped.get_call_template
         dispatcher.get_overload = unwrapped.get_overload
     return cast(Function, dispatcher)
-
-
-def by_kind(functions: Sequence[Function]) -> Callable[..., Any]:
-    """Return a compiled function ``f(kind, *arguments)`` that calls ``functions[kind]``.
-
-    All functions take and return the same types: numbers and named tuples of numbers. The returned
-    function has them as ``furuta_choices``.
-    """
-    # Written out, because compiled code cannot index functions. One calling the next would compile
-    # the last of them as often as there are functions.
-    names = {f"function_{kind}": each for kind, each in enumerate(functions)}
-    *choices, last = (f"return {name}(*arguments)" for name in names)
-    lines = [f"    if kind == {kind}: {choice}" for kind, choice in enumerate(choices)]
-    source = "\n".join(["def dispatch(kind, *arguments):", *lines, f"    {last}"])
-    exec(compile(source, __file__, "exec"), names)
-    dispatcher: Any = inlined(names["dispatch"], cached=False)
-    dispatcher.furuta_choices = tuple(functions)
-    return cast(Callable[..., Any], dispatcher)
 
 
 def inlined(function: Function, **options: Any) -> Function:

@@ -14,19 +14,22 @@ names if the field is annotated with :data:`INLINE`.
 import math
 import reprlib
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, lru_cache
 from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_origin, get_type_hints
 
 Group = TypeVar("Group", bound=NamedTuple)
+Design = TypeVar("Design", bound=Callable[..., Any])
 INLINE = "inline"
 # Mark of a field of a design, ``Annotated[int, SELECTS]``: it selects what is computed.
 SELECTS = "selects"
 # Mark of a field whose zero means that a part is off; other values are numbers.
 OFF_AT_ZERO = "off at zero"
 LARGEST = sys.float_info.max
+# Designs that are remembered: a study goes through them in order.
+REMEMBERED = 256
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring = _SHORT.maxother = 80
@@ -244,6 +247,11 @@ def values(group: Any, prefix: str = "") -> dict[str, Any]:
 def validated(group: Group) -> Group:
     """The group, if each value is in its range and all fit together."""
     return build(type(group), values(group))
+
+
+def designed_once(design: Design) -> Design:
+    """Remember the last designs: parameters are checked by designing, and then applied."""
+    return cast(Design, lru_cache(maxsize=REMEMBERED)(design))
 
 
 def _is_group(kind: Any) -> bool:

@@ -169,9 +169,6 @@ class Expressions:
             raise ExportError(f"{ast.unparse(node.func)} is no function")
         if isinstance(callee.value, type) and hasattr(callee.value, "_fields"):
             return self._group(callee.value, arguments, named)
-        if hasattr(callee.value, "furuta_choices"):
-            kind, *arguments = arguments
-            callee = Known(callee.value.furuta_choices[kind.value])  # type: ignore[union-attr]
         if all(isinstance(each, Number) for each in arguments):
             result = self.operations.call(callee.value, arguments)  # type: ignore[arg-type]
             if result is not None:

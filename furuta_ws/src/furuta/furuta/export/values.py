@@ -1,7 +1,7 @@
 """What an expression is while a function is translated: its C text, or what is known of it.
 
 A number that is known when the code is generated selects what is generated: the branch of an
-``if``, the function of a registry. Its text is the name of a constant or a literal.
+``if``. Its text is the name of a constant or a literal.
 """
 
 from __future__ import annotations

@@ -33,36 +33,87 @@ QUIET = 0.25
 
 @click.command()
 @click.option("--inertia", type=ABOVE, metavar="J", help="Inertia [kg m²], or mass [kg].")
-@click.option("--friction", metavar="NAME=VALUE,...",
-    help=f"Friction parameters: {', '.join(Friction._fields)} [N m, rad/s].")  # fmt: skip
-@click.option("--law", type=click.Choice(ANALYSED_LAWS), help="Friction law; default: stribeck, or "
-    "stiction if the recording shows stiction.")  # fmt: skip
-@click.option("--pid", type=GAIN, nargs=3, metavar="KP KI KD",
-    help="PID [N m/rad, N m/(rad s), N m s/rad].")  # fmt: skip
-@click.option("--cascade", type=GAIN, nargs=3, metavar="K KV KI",
-    help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].")  # fmt: skip
-@click.option("--reference-speed", type=FiniteRange(-1e6, 1e6), default=0.0, show_default=True,
-    help="Speed of the reference [rad/s].")  # fmt: skip
-@click.option("--counts", type=click.IntRange(0, 2**31),
+@click.option(
+    "--friction",
+    metavar="NAME=VALUE,...",
+    help=f"Friction parameters: {', '.join(Friction._fields)} [N m, rad/s].",
+)
+@click.option(
+    "--law",
+    type=click.Choice(ANALYSED_LAWS),
+    help="Friction law; default: stribeck, or stiction if the recording shows stiction.",
+)
+@click.option(
+    "--pid", type=GAIN, nargs=3, metavar="KP KI KD", help="PID [N m/rad, N m/(rad s), N m s/rad]."
+)
+@click.option(
+    "--cascade",
+    type=GAIN,
+    nargs=3,
+    metavar="K KV KI",
+    help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].",
+)
+@click.option(
+    "--reference-speed",
+    type=FiniteRange(-1e6, 1e6),
+    default=0.0,
+    show_default=True,
+    help="Speed of the reference [rad/s].",
+)
+@click.option(
+    "--counts",
+    type=click.IntRange(0, 2**31),
     help="Encoder counts per turn (per 2π m of a linear axis), 0 for a perfect encoder; default: "
-    "those of the recording, or 4096.")  # fmt: skip
-@click.option("--identify", "records", type=click.Path(path_type=Path), metavar="FILE",
-    multiple=True, help="Identify inertia and friction from a table or bag with time, position and "
-    "torque; repeatable. Give no controller to do only this.")  # fmt: skip
+    "those of the recording, or 4096.",
+)
+@click.option(
+    "--identify",
+    "records",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    multiple=True,
+    help="Identify inertia and friction from a table or bag with time, position and "
+    "torque; repeatable. Give no controller to do only this.",
+)
 @click.option("--force", is_flag=True, help="Use an identification that is not usable.")
 @click.option("--position", metavar="COLUMN", help="Column of the position.")
-@click.option("--command", "driven", metavar="COLUMN", help="Column or topic of the drive's "
-    "torque, current or voltage; default in a bag: the joint's effort.")  # fmt: skip
-@click.option("--joint", "joints", metavar="NAME", multiple=True, help="Joint to use if a bag has "
-    "several; repeatable, to identify each of them.")  # fmt: skip
-@click.option("--torque-constant", type=FiniteRange(), default=1.0, show_default=True,
-    help="Torque or force per unit of the column of --command.")  # fmt: skip
-@click.option("--prove", is_flag=True, help="Prove the limit cycle in interval arithmetic, for "
-    "the law stiction (needs python-flint).")  # fmt: skip
-@click.option("--out", type=FIGURE, help="Draw the limit cycle, and the error with the recommended "
-    "compensation.")  # fmt: skip
-@click.option("--save", type=click.Path(dir_okay=False, path_type=Path), metavar="FILE.yaml",
-    help="Write what is identified to a joint file: parameters of friction observers.")  # fmt: skip
+@click.option(
+    "--command",
+    "driven",
+    metavar="COLUMN",
+    help="Column or topic of the drive's "
+    "torque, current or voltage; default in a bag: the joint's effort.",
+)
+@click.option(
+    "--joint",
+    "joints",
+    metavar="NAME",
+    multiple=True,
+    help="Joint to use if a bag has several; repeatable, to identify each of them.",
+)
+@click.option(
+    "--torque-constant",
+    type=FiniteRange(),
+    default=1.0,
+    show_default=True,
+    help="Torque or force per unit of the column of --command.",
+)
+@click.option(
+    "--prove",
+    is_flag=True,
+    help="Prove the limit cycle in interval arithmetic, for the law stiction (needs python-flint).",
+)
+@click.option(
+    "--out",
+    type=FIGURE,
+    help="Draw the limit cycle, and the error with the recommended compensation.",
+)
+@click.option(
+    "--save",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE.yaml",
+    help="Write what is identified to a joint file: parameters of friction observers.",
+)
 @json_option
 def command(
     inertia: float | None,

@@ -63,27 +63,60 @@ BEST = {"best_strength": "best strength", "residual_at_best_rad": "with it"}
 
 
 @click.command()
-@option("--truths", is_flag=True,
-    help="Compare on the built-in named rigs, and list each of them.")  # fmt: skip
-@option("--rigs", "number", type=click.IntRange(1, MOST_RIGS), default=100,
-    help="Number of random rigs.")  # fmt: skip
-@option("--disturb", multiple=True, type=click.Choice((*DISTURBANCES, "all")),
-    help="Add a disturbance to the random rigs; repeatable.")  # fmt: skip
-@option("--seed", type=SEED, default=0,
-    help="Seed of the random rigs. The seed of the sensor noise is plant.seed.")  # fmt: skip
+@option("--truths", is_flag=True, help="Compare on the built-in named rigs, and list each of them.")
+@option(
+    "--rigs",
+    "number",
+    type=click.IntRange(1, MOST_RIGS),
+    default=100,
+    help="Number of random rigs.",
+)
+@option(
+    "--disturb",
+    multiple=True,
+    type=click.Choice((*DISTURBANCES, "all")),
+    help="Add a disturbance to the random rigs; repeatable.",
+)
+@option(
+    "--seed",
+    type=SEED,
+    default=0,
+    help="Seed of the random rigs. The seed of the sensor noise is plant.seed.",
+)
 @rig_option
 @parameter_options
-@option("--candidate", "texts", multiple=True, metavar="NAME[=PARAMETER=VALUE,...]",
+@option(
+    "--candidate",
+    "texts",
+    multiple=True,
+    metavar="NAME[=PARAMETER=VALUE,...]",
     help=f"Candidate: a name with its settings, or one of {', '.join(STANDARD)}; repeatable "
-    "(default: all of these).")  # fmt: skip
-@option("--push", "pushes", type=FiniteRange(-1e3, 1e3), multiple=True, metavar="V",
-    help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.")  # fmt: skip
-@option("--strengths", is_flag=True,
-    help="Find the recommended setting's best strength on each rig, as --truths does.")  # fmt: skip
-@option("--seconds", type=MEASURED_SECONDS, default=30.0,
-    help="Simulated time of each run [s]; its second half is measured.")  # fmt: skip
-@option("--out", type=OutputFile(*TABLE_SUFFIXES, *FIGURE_SUFFIXES),
-    help="Write a table with one row per run, or draw a picture.")  # fmt: skip
+    "(default: all of these).",
+)
+@option(
+    "--push",
+    "pushes",
+    type=FiniteRange(-1e3, 1e3),
+    multiple=True,
+    metavar="V",
+    help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.",
+)
+@option(
+    "--strengths",
+    is_flag=True,
+    help="Find the recommended setting's best strength on each rig, as --truths does.",
+)
+@option(
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=30.0,
+    help="Simulated time of each run [s]; its second half is measured.",
+)
+@option(
+    "--out",
+    type=OutputFile(*TABLE_SUFFIXES, *FIGURE_SUFFIXES),
+    help="Write a table with one row per run, or draw a picture.",
+)
 @json_option
 @click.pass_context
 def command(

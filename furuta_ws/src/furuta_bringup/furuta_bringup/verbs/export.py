@@ -24,8 +24,13 @@ def command() -> None:
     help="Folder for loop.h, loop.c and loop_test.c, or axis.h, axis.c and axis_test.c.",
 )
 @click.option("--float", "single", is_flag=True, help="Numbers of 32 bits instead of 64.")
-@click.option("--axis", "joints", type=click.Path(path_type=Path), metavar="FILE",
-    help="Export a joint of this joint file instead of the pendulum's loop.")  # fmt: skip
+@click.option(
+    "--axis",
+    "joints",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Export a joint of this joint file instead of the pendulum's loop.",
+)
 @click.option("--joint", metavar="NAME", help="Joint of that file, if it has several.")
 @model_options
 @json_option
@@ -89,12 +94,21 @@ def _joint_command(form: str, about: str) -> None:
     """Add the command that writes a joint in a format."""
 
     @command.command(form, help=f"Write an identified joint as {about}.")
-    @click.option("--axis", "path", type=click.Path(path_type=Path), required=True, metavar="FILE",
-        help="Joint file, from axis --save.")  # fmt: skip
+    @click.option(
+        "--axis",
+        "path",
+        type=click.Path(path_type=Path),
+        required=True,
+        metavar="FILE",
+        help="Joint file, from axis --save.",
+    )
     @click.option("--joint", metavar="NAME", help="Joint to use if the file has several.")
     @click.option("--prismatic", is_flag=True, help="The joint slides: N, m and kg.")
-    @click.option("--out", type=click.Path(dir_okay=False, path_type=Path), help="File to write "
-        "instead of standard output.")  # fmt: skip
+    @click.option(
+        "--out",
+        type=click.Path(dir_okay=False, path_type=Path),
+        help="File to write instead of standard output.",
+    )
     def write(path: Path, joint: str | None, out: Path | None, **options: Any) -> None:
         from furuta.axis.joint_file import read_joint_file
         from furuta.export.joint_models import joint_model
@@ -107,10 +121,18 @@ def _joint_command(form: str, about: str) -> None:
             file.write_text(text, encoding="utf-8")
 
     if form == "mjcf":
-        click.option("--lugre", is_flag=True, help="LuGre friction, with which the joint hunts, "
-            "sticks and slips; needs MuJoCo 3.7.")(write)  # fmt: skip
-        click.option("--step", type=FiniteRange(1e-6, 1e-2), default=1e-3, show_default=True,
-            help="Time step [s]; the shorter, the harder is the bristle.")(write)  # fmt: skip
+        click.option(
+            "--lugre",
+            is_flag=True,
+            help="LuGre friction, with which the joint hunts, sticks and slips; needs MuJoCo 3.7.",
+        )(write)
+        click.option(
+            "--step",
+            type=FiniteRange(1e-6, 1e-2),
+            default=1e-3,
+            show_default=True,
+            help="Time step [s]; the shorter, the harder is the bristle.",
+        )(write)
 
 
 _joint_command("urdf", "URDF, with Coulomb and viscous friction")

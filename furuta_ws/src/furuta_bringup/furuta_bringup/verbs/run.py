@@ -21,8 +21,12 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@option("--plant", type=click.Choice(["sim", "hardware"]), default="sim",
-    help="Simulated plant or real rig.")  # fmt: skip
+@option(
+    "--plant",
+    type=click.Choice(["sim", "hardware"]),
+    default="sim",
+    help="Simulated plant or real rig.",
+)
 @option("--port", default="", metavar="PORT", help="Serial port of the rig; mock: an emulated rig.")
 @rig_option
 @option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
@@ -33,15 +37,21 @@ if TYPE_CHECKING:
     help="Run in lock-step, as fast as the machine allows.",
 )
 @option("--realtime", "clock", flag_value="realtime", help="Run in real time (default).")
-@option("--without", multiple=True, type=click.Choice(
-    [node.name for node in NODES.values() if not node.controlled]),
-    help="Leave out this node, so that your own can replace it; repeatable.")  # fmt: skip
+@option(
+    "--without",
+    multiple=True,
+    type=click.Choice([node.name for node in NODES.values() if not node.controlled]),
+    help="Leave out this node, so that your own can replace it; repeatable.",
+)
 @namespace_option
 @option("--processes", is_flag=True, help="Run each node in a process of its own.")
 @option("--record", type=PATH, metavar="DIR", help="Record a bag into this directory.")
 @option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
-@option("--seconds", type=FiniteRange(0, 1e9, min_open=True),
-    help="Stop after this time of the plant or rig [s].")  # fmt: skip
+@option(
+    "--seconds",
+    type=FiniteRange(0, 1e9, min_open=True),
+    help="Stop after this time of the plant or rig [s].",
+)
 @option(
     "--priority", type=click.IntRange(1, 99), help="Priority of the real-time scheduler SCHED_FIFO."
 )

@@ -20,10 +20,11 @@ DEFAULT_COUNT = 10
 @option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time of each run [s].")
 @option("--scheduler", metavar="ADDRESS", help="Run on the Dask cluster of this scheduler.")
 @option(
-    "--out", type=TABLE,
+    "--out",
+    type=TABLE,
     default=Path("output/sweep.csv"),
     help="Results, one row per run; Parquet is smaller and faster to read.",
-)  # fmt: skip
+)
 @model_options
 @json_option
 def command(

@@ -1,1 +1,1 @@
-"""State estimators: one file per method; :mod:`furuta_control.estimation` is the registry."""
+"""State estimators: one file per method; :mod:`furuta_control.estimation` lists them."""

@@ -1,1 +1,1 @@
-"""Controller modes: one file per mode; :mod:`furuta_control.control` is the registry."""
+"""Controller modes: one file per mode; :mod:`furuta_control.control` lists them."""

@@ -24,8 +24,7 @@ from furuta_control.modes.mode import ControlledRig, Gain, fed_back
 from furuta_friction import super_twisting
 from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
-from furuta_model.parameters import OFF_AT_ZERO, About, ParameterError
-from furuta_model.registry import designed_once
+from furuta_model.parameters import OFF_AT_ZERO, About, ParameterError, designed_once
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Time constant with which the strength follows its parameter [s], so that u does not jump.

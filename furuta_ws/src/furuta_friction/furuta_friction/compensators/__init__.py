@@ -1,1 +1,1 @@
-"""Friction compensators, one file each; :mod:`furuta_friction.compensation` is the registry."""
+"""Friction compensators, one file each; :mod:`furuta_friction.compensation` lists them."""

@@ -1,1 +1,1 @@
-"""Friction in the arm's joint; :mod:`.laws` is the registry of the laws."""
+"""Friction in the arm's joint; :mod:`.laws` lists the laws."""
