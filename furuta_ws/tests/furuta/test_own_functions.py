@@ -1,4 +1,4 @@
-"""Functions of one's own as parts of a loop: equal to the parts of the house, and to Python."""
+"""Functions of one's own as parts of a loop: equal to the built-in parts, and to Python."""
 
 import json
 import sys

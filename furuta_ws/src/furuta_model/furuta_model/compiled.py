@@ -26,7 +26,7 @@ from typing import Any, TypeVar, cast
 import numba
 import numba.extending
 import numpy as np
-from numba.core import event
+from numba.core.event import Event, Listener, register
 
 # Options of numba for the second dispatcher, which compiled callers use. It has no wrapper for
 # Python or C and no file in the cache, which halves the time of compilation.
@@ -175,7 +175,7 @@ def _digest(root: Path) -> str:
     return content.hexdigest()
 
 
-class _Notice(event.Listener):
+class _Notice(Listener):
     """Prints one line when this process has compiled our functions for a while."""
 
     def __init__(self) -> None:
@@ -183,7 +183,7 @@ class _Notice(event.Listener):
         self._total = 0.0
         self._is_due = parent_process() is None  # workers do not print
 
-    def on_start(self, event: Any) -> None:
+    def on_start(self, event: Event) -> None:
         if not hasattr(event.data["dispatcher"], "is_announced"):
             return
         self._begun.append(monotonic())
@@ -191,7 +191,7 @@ class _Notice(event.Listener):
             self._is_due = False
             print(NOTICE, file=sys.stderr, flush=True)
 
-    def on_end(self, event: Any) -> None:
+    def on_end(self, event: Event) -> None:
         if not hasattr(event.data["dispatcher"], "is_announced"):
             return
         begun = self._begun.pop()
@@ -199,7 +199,7 @@ class _Notice(event.Listener):
             self._total += monotonic() - begun
 
 
-event.register("numba:compile", _Notice())
+register("numba:compile", _Notice())
 
 
 @compiled

@@ -77,7 +77,8 @@ def address_of(
     inner: Any = function
     if not hasattr(function, "py_func"):
         inner = numba.njit(error_model="numpy", **UNWRAPPED)(function)
-    _report_exceptions()
+    if not isinstance(sys.unraisablehook, _Report):
+        sys.unraisablehook = _Report()
     try:
         code = numba.cfunc(types.float64(*arguments), error_model="numpy")(
             entry(inner) if entry else inner.py_func
@@ -153,7 +154,7 @@ class _Report:
         self._earlier = sys.unraisablehook
         self._reported_at: dict[tuple[str, int | None], float] = {}
 
-    def __call__(self, unraisable: Any) -> None:
+    def __call__(self, unraisable: "sys.UnraisableHookArgs") -> None:
         places = extract_tb(unraisable.exc_traceback)
         if "numba" not in str(unraisable.object) or not places:
             self._earlier(unraisable)
@@ -164,12 +165,6 @@ class _Report:
             self._reported_at[file, line] = now
             reason = f"{unraisable.exc_type.__name__}: {unraisable.exc_value}"
             _LOG.error("%s failed and gave 0 (%s, line %s): %s", name, file, line, reason)
-
-
-def _report_exceptions() -> None:
-    """Report exceptions of own functions from now on."""
-    if not isinstance(sys.unraisablehook, _Report):
-        sys.unraisablehook = _Report()
 
 
 def _one_line(function: Callable[..., Any], message: str) -> str:

@@ -214,17 +214,15 @@ def build(group: type[Group], given: Mapping[str, Any], prefix: str = "") -> Gro
         ParameterError: A value is out of range or has the wrong type, or values contradict each
             other (the group's own ``check``).
     """
-    specifications = {each.name: each for each in declared(group, prefix)}
+    declarations = {each.name: each for each in declared(group, prefix)}
     fields: dict[str, Any] = {}
     for field, kind, marks in group_fields(group):
         if _is_group(kind):
             inner = prefix if INLINE in marks else f"{prefix}{field}."
             fields[field] = build(kind, given, inner)
         else:
-            specification = specifications[prefix + field]
-            fields[field] = specification.checked(
-                given.get(specification.name, specification.default)
-            )
+            each = declarations[prefix + field]
+            fields[field] = each.checked(given.get(each.name, each.default))
     built: Group = cast(Any, group)(**fields)
     check = getattr(built, "check", None)
     if check:
