@@ -69,17 +69,18 @@ def _nothing(body: Any) -> None:
 
 def integrator(
     stage: Stage, after_substep: Callable[[Any], None] = _nothing
-) -> Callable[..., None]:
+) -> Callable[[np.ndarray, float, float, int, Any, FrictionLaw], None]:
     """Make the midpoint rule for a body and its friction, given by its ``stage`` (compiled).
 
-    ``after_substep`` (inlined) gets the body at the end of each substep. The returned function has
-    the arguments of :func:`advance`. It is inlined into its callers.
+    ``after_substep`` (inlined) gets the body at the end of each substep. The returned function is
+    inlined into its callers.
     """
     first_half, whole = first_half_rule(stage), whole_rule(stage)
 
     def advance(
         x: np.ndarray, u: float, dt: float, substeps: int, body: Any, law: FrictionLaw
     ) -> None:
+        """Integrate state ``x`` (5,) in place over ``dt`` [s] at constant torque ``u`` [V]."""
         substeps = sufficient_substeps(x, dt, substeps)
         h = dt / substeps
         for _ in range(substeps):
@@ -167,14 +168,6 @@ def _pendulum_stage(
     return v_dot, w_dot, end
 
 
-_advance = integrator(_pendulum_stage)
-# The two halves of a substep of :func:`advance`, for loops side by side.
+advance = integrator(_pendulum_stage)
+# The two halves of a substep of ``advance``, for loops side by side.
 advance_half, advance_whole = first_half_rule(_pendulum_stage), whole_rule(_pendulum_stage)
-
-
-@inlined
-def advance(
-    x: np.ndarray, u: float, dt: float, substeps: int, body: FurutaPendulum, law: FrictionLaw
-) -> None:
-    """Integrate plant state ``x`` (5,) in place over ``dt`` [s] at constant torque ``u`` [V]."""
-    _advance(x, u, dt, substeps, body, law)
