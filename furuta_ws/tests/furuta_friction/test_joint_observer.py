@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 
 from furuta_friction.compensation import ObserverParameters
-from furuta_friction.joint_friction import JointFriction
-from furuta_friction.joint_observer import JointModel, ObserverNodeParameters
+from furuta_friction.joint_observer import (
+    JointMemory,
+    JointModel,
+    JointSample,
+    ObserverNodeParameters,
+    design_joint,
+    joint_step,
+)
+from furuta_model.block import block, new_memory
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, build
 
@@ -26,14 +33,19 @@ MODEL = JointModel(
 DRY = Friction(sigma0=2e4, sigma1=50.0, alpha0=LEVEL, alpha1=0.0, stribeck_velocity=0.05)
 
 
-def observer_of(
-    compensation: str = "none", model: JointModel = MODEL, dt: float = 1e-3
-) -> JointFriction:
-    """The observer of a joint."""
-    observer = JointFriction()
-    usual = ObserverParameters(compensation, DRY, sample_time=dt)
-    observer.design(ObserverNodeParameters(usual, "elbow_joint", model))
-    return observer
+class Observer:
+    """The observer of a joint, sample by sample."""
+
+    def __init__(
+        self, compensation: str = "none", model: JointModel = MODEL, dt: float = 1e-3
+    ) -> None:
+        usual = ObserverParameters(compensation, DRY, sample_time=dt)
+        design = design_joint(ObserverNodeParameters(usual, "elbow_joint", model))
+        self._memory, self._design = new_memory(JointMemory), block(design)
+
+    def estimate(self, x: JointSample, samples: int = 1) -> float:
+        """F̂ for a sample so many samples after the last one, 0 for a new start."""
+        return joint_step(self._memory, x, self._design, samples)
 
 
 class TrueJoint:
@@ -58,12 +70,12 @@ class TrueJoint:
 
 
 def run(
-    observer: JointFriction, torque: Callable[[float, float], float], dt: float, seconds: float
+    observer: Observer, torque: Callable[[float, float], float], dt: float, seconds: float
 ) -> np.ndarray:
     """Time, true friction, estimate and true speed (n, 4); ``torque`` of time and position."""
     joint, rows, applied = TrueJoint(), [], 0.0
     for k in range(round(seconds / dt)):
-        estimate = observer.estimate((joint.measured, nan, applied, nan), round(dt * 1e9))
+        estimate = observer.estimate((joint.measured, nan, applied, nan))
         rows.append((k * dt, joint.friction, estimate, joint.speed))
         applied = torque(k * dt, joint.position)
         joint.move(applied, dt)
@@ -78,7 +90,7 @@ def pull(time: float, position: float) -> float:
 @pytest.mark.parametrize("dt", [0.02, 0.002, 5e-4])
 def test_observed_friction_is_the_true_one(dt: float) -> None:
     """From 50 Hz to 2 kHz: while the joint slides, within 10 % of the level after 0.1 s."""
-    rows = run(observer_of("disturbance_observer", dt=dt), pull, dt, 6.0)
+    rows = run(Observer("disturbance_observer", dt=dt), pull, dt, 6.0)
     sliding = np.abs(rows[:, 3]) > 0.3
     settled = sliding & np.roll(sliding, round(0.1 / dt)) & (rows[:, 0] > 0.5)
     error = rows[settled, 2] - rows[settled, 1]
@@ -89,7 +101,7 @@ def test_observed_friction_is_the_true_one(dt: float) -> None:
 def test_super_twisting_finds_the_friction_without_a_level() -> None:
     """It knows no level, and F̂ need not be applied for it to converge."""
     model = MODEL._replace(super_twisting=30.0)
-    rows = run(observer_of("none", model), pull, 1e-3, 6.0)
+    rows = run(Observer("none", model), pull, 1e-3, 6.0)
     settled = (np.abs(rows[:, 3]) > 0.3) & (rows[:, 0] > 0.5)
     assert np.mean(np.abs(rows[settled, 2] - rows[settled, 1])) < 0.15 * LEVEL
 
@@ -99,10 +111,10 @@ def test_compensation_lets_a_weak_torque_move_the_joint(compensation: str) -> No
     """A torque of a tenth of the level moves nothing alone; with 0.9 F̂ it moves the joint."""
 
     def swing(name: str) -> float:
-        observer, joint, applied = observer_of(name), TrueJoint(), 0.0
+        observer, joint, applied = Observer(name), TrueJoint(), 0.0
         moved = []
         for k in range(4000):
-            friction = observer.estimate((joint.measured, nan, applied, nan), 1_000_000)
+            friction = observer.estimate((joint.measured, nan, applied, nan))
             wanted = 4.0 * np.sin(2.0 * k * 1e-3) if k < 1000 else 0.2 * np.sin(2.0 * k * 1e-3)
             applied = wanted + GRAVITY * np.sin(joint.position) + 0.9 * friction
             joint.move(applied, 1e-3)
@@ -116,14 +128,14 @@ def test_compensation_lets_a_weak_torque_move_the_joint(compensation: str) -> No
 def test_missing_samples_and_a_new_start() -> None:
     """One lost sample in three changes little; after a gap the estimate begins anew."""
     whole, gappy, joint = (
-        observer_of("disturbance_observer"),
-        observer_of("disturbance_observer"),
+        Observer("disturbance_observer"),
+        Observer("disturbance_observer"),
         TrueJoint(),
     )
     applied, late, pairs = 0.0, 0, []
     for k in range(3000):
-        a = whole.estimate((joint.measured, nan, applied, nan), 1_000_000)
-        late += 1_000_000
+        a = whole.estimate((joint.measured, nan, applied, nan))
+        late += 1
         if k % 3:
             b = gappy.estimate((joint.measured, nan, applied, nan), late)
             late = 0
@@ -132,13 +144,13 @@ def test_missing_samples_and_a_new_start() -> None:
         joint.move(applied, 1e-3)
     a, b = np.array(pairs[500:]).T
     assert np.sqrt(np.mean((a - b) ** 2)) < 0.1 * LEVEL
-    assert gappy.estimate((5.0, nan, 0.0, nan), 10**9) == pytest.approx(0.0, abs=1e-9)
+    assert gappy.estimate((5.0, nan, 0.0, nan), 0) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_speed_of_the_reference_takes_over_where_it_is_fast() -> None:
     """Far above reference_speed only the reference counts, at rest only the own speed."""
     model = JointModel(reference_speed=0.1)
-    observer = observer_of("coulomb", model)
+    observer = Observer("coulomb", model)
     for reference, own, expected in (
         (2.0, -0.1, LEVEL),
         (0.001, -0.1, -LEVEL),
@@ -146,26 +158,25 @@ def test_speed_of_the_reference_takes_over_where_it_is_fast() -> None:
         (nan, -0.1, -LEVEL),
         (-2.0, 0.1, -LEVEL),
     ):
-        assert observer.estimate((0.0, own, nan, reference), 1_000_000) == expected
+        assert observer.estimate((0.0, own, nan, reference)) == expected
 
 
 def test_without_an_inertia_the_measured_speed_counts() -> None:
     """Coulomb compensation needs neither a model nor an effort; no friction is observed."""
-    observer = observer_of("coulomb", JointModel())
-    assert observer.estimate((1.0, 0.2, nan, nan), 1_000_000) == LEVEL
-    assert observer.is_blind()
-    observed = observer_of("disturbance_observer", JointModel())
-    assert observed.estimate((1.0, 0.2, 5.0, nan), 1_000_000) == 0.0
+    observer = Observer("coulomb", JointModel())
+    assert observer.estimate((1.0, 0.2, nan, nan)) == LEVEL
+    observed = Observer("disturbance_observer", JointModel())
+    assert observed.estimate((1.0, 0.2, 5.0, nan)) == 0.0
 
 
 def test_an_effort_that_is_missing_once_is_held() -> None:
     """A single NaN does not disturb the estimate of the speed."""
     rows = []
     for missing in (False, True):
-        observer, joint, applied = observer_of("coulomb"), TrueJoint(), 0.0
+        observer, joint, applied = Observer("coulomb"), TrueJoint(), 0.0
         for k in range(2000):
             effort = nan if missing and k % 50 == 7 else applied
-            rows.append(observer.estimate((joint.measured, nan, effort, nan), 1_000_000))
+            rows.append(observer.estimate((joint.measured, nan, effort, nan)))
             applied = pull(k * 1e-3, joint.position)
             joint.move(applied, 1e-3)
     whole, holey = np.array(rows).reshape(2, -1)
@@ -174,8 +185,8 @@ def test_an_effort_that_is_missing_once_is_held() -> None:
 
 def test_impossible_numbers_and_models_are_refused() -> None:
     """A huge position is no sample; a model for which there is no filter is no parameter."""
-    observer = observer_of("lugre")
-    assert np.isnan(observer.estimate((1e9, 0.0, 0.0, nan), 1_000_000))
+    observer = Observer("lugre")
+    assert np.isnan(observer.estimate((1e9, 0.0, 0.0, nan)))
     with pytest.raises(ParameterError, match="no filter for inertia 1e-300"):
         build(ObserverNodeParameters, {"joint": "elbow", "axis.inertia": 1e-300})
     assert build(ObserverNodeParameters, {"axis.inertia": 1e-300}).joint == "arm"

@@ -10,7 +10,8 @@ from sensor_msgs.msg import JointState
 from testbench import Bench
 
 from furuta_friction.friction_observer_node import FrictionObserverNode
-from furuta_friction.joint_friction import JointFriction
+from furuta_friction.joint_observer import JointMemory, design_joint, joint_step
+from furuta_model.block import block, new_memory
 from furuta_ros.node import BEST_EFFORT
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
 
@@ -52,15 +53,15 @@ def send(bench: Bench, publisher: Any, message: JointState, answers: int) -> lis
 
 def test_each_state_of_the_joint_is_answered(bench: Bench, node: Any) -> None:
     """In any order of joints, as the core answers; a repeated state gets the same answer."""
-    core = JointFriction()
-    core.design(node.parameters)
+    memory, design = new_memory(JointMemory), block(design_joint(node.parameters))
     publisher = bench.publisher(JOINT_STATES)
     bench.wait_for_publisher(FRICTION_ESTIMATE)
     expected = []
     for k in range(1, 8):
         elbow, stamp = (0.01 * k * k, 0.5, 3.0), k * PERIOD
         position, speed, effort = elbow
-        expected.append(core.estimate((position, speed, effort, nan), PERIOD if k > 1 else -1))
+        x = (position, speed, effort, nan)
+        expected.append(joint_step(memory, x, design, min(k - 1, 1)))
         others = {"gripper": (0.0, 0.0, 0.0), "wrist": (1.0, 2.0, 3.0)}
         joints = {**others, "elbow_joint": elbow} if k % 2 else {"elbow_joint": elbow, **others}
         assert send(bench, publisher, state(stamp, **joints), k) == expected
@@ -107,6 +108,26 @@ def test_what_cannot_be_used_is_refused(bench: Bench, node: Any, capfd: Any) -> 
     warned = capfd.readouterr().err
     assert "no position of joint elbow_joint" in warned
     assert "no velocity of joint elbow_joint" in warned
+
+
+def test_a_missing_effort_is_named(bench: Bench, node: Any, capfd: Any) -> None:
+    """What needs the observed friction says so while there is none."""
+    assert all(
+        each.successful
+        for each in node.set_parameters([Parameter("compensation", value="combined")])
+    )
+    publisher = bench.publisher(JOINT_STATES)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    for effort, is_named in ((1.0, False), (nan, True)):
+        send(
+            bench,
+            publisher,
+            state(PERIOD + is_named * PERIOD, elbow_joint=(0.0, 0.0, effort)),
+            1 + is_named,
+        )
+        capfd.readouterr()
+        node._check()
+        assert ("needs effort in joint_states" in capfd.readouterr().err) is is_named
 
 
 def test_a_wrong_sample_time_is_named(bench: Bench, node: Any, capfd: Any) -> None:

@@ -10,7 +10,14 @@ from rclpy.parameter import Parameter
 
 from furuta_friction import compensation, joint_observer
 from furuta_friction.compensation import CompensationMemory
-from furuta_friction.joint_observer import ARM, JointMemory, ObserverNodeParameters
+from furuta_friction.joint_observer import (
+    ARM,
+    NO_SAMPLE,
+    JointMemory,
+    JointSample,
+    ObserverNodeParameters,
+    joint_step,
+)
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
@@ -32,10 +39,6 @@ ARM_NEEDS = (
     "effort (observed friction) in joint_states; use an estimator that observes it (method kalman)"
 )
 JOINT_NEEDS = "effort in joint_states, and axis.inertia"
-
-# Position, speed, effort, and speed of the reference.
-JointSample = tuple[float, float, float, float]
-NO_SAMPLE: JointSample = (0.0, 0.0, 0.0, 0.0)
 
 
 class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
@@ -72,7 +75,7 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
     def _design(self, p: ObserverNodeParameters) -> None:
         """Redesign the observer; its memory is kept."""
         self._sample_time = p.observer.sample_time * NANOSECONDS
-        step: Any = _arm_step if self._is_arm else _joint_step
+        step: Any = _arm_step if self._is_arm else joint_step
         if self._is_arm:
             self._observer = block(compensation.design_compensator(p.observer))
         else:
@@ -162,21 +165,6 @@ def _arm_step(memory: np.ndarray, state: Signals, design: np.ndarray, samples: i
     if samples == 0:
         compensation.reset(memory[0])
     return compensation.estimate_friction(memory[0], x, design[0])
-
-
-@compiled
-def _joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: int) -> float:
-    """F̂ of a joint, ``samples`` after the last one, anew if that is 0; NaN if impossible."""
-    if not is_possible(np.array(x)):
-        return np.nan
-    if samples == 0:
-        joint_observer.reset(memory[0])
-    for _ in range(samples - 1):
-        joint_observer.predict(memory[0], design[0])
-    position, speed, effort, reference_speed = x
-    return joint_observer.joint_friction(
-        memory[0], position, speed, effort, reference_speed, design[0]
-    )
 
 
 def main() -> None:

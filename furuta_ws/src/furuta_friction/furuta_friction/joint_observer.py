@@ -27,15 +27,19 @@ from furuta_friction.compensation import (
 from furuta_friction.compensation import reset as reset_compensation
 from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.block import zeros
-from furuta_model.compiled import inlined
+from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once
 from furuta_model.sensors import variance
-from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, SIGNALS
+from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, SIGNALS, is_possible
 
 ARM: Final = "arm"
 # Largest level [V] and viscous friction [V s/rad] of it.
 LARGEST_OF_ARM: Final = 100.0
+
+# Position, speed, effort, and speed of the reference.
+JointSample = tuple[float, float, float, float]
+NO_SAMPLE: JointSample = (0.0, 0.0, 0.0, 0.0)
 
 
 class JointModel(NamedTuple):
@@ -234,6 +238,22 @@ def joint_friction(
             memory.twisting, own, 1.0, p.model.largest_correction, p.twisting
         )
     return memory.friction
+
+
+@compiled
+def joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: int) -> float:
+    """F̂ from a sample, ``samples`` after the last one, anew if that is 0; for callers in Python.
+
+    Memory and design are blocks. NaN, without a step, if a number is impossible.
+    """
+    if not is_possible(np.array(x)):
+        return np.nan
+    if samples == 0:
+        reset(memory[0])
+    for _ in range(samples - 1):
+        predict(memory[0], design[0])
+    position, speed, effort, reference_speed = x
+    return joint_friction(memory[0], position, speed, effort, reference_speed, design[0])
 
 
 @inlined
