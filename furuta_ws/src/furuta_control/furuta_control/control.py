@@ -106,7 +106,8 @@ class ControllerParameters(NamedTuple):
         gain: Iterable[float] = self.gain
         if self.gain == POLE_PLACEMENT:
             gain = place_poles(self.model, self.poles, self.model_viscous)
-        return Gain(*map(float, gain))
+        l1, l2, l3, l4 = map(float, gain)
+        return Gain(l1, l2, l3, l4)
 
 
 class ControllerDesign(NamedTuple):

@@ -49,7 +49,7 @@ ARM_ERROR = 1.0
 class Catching(NamedTuple):
     """Gain L, γ/β, ω [rad/s] and the arm's reference [rad]."""
 
-    gain: Gain = Gain()
+    gain: Gain = Gain(0.0, 0.0, 0.0, 0.0)
     ratio: float = 1.0
     frequency: float = 1.0
     arm_reference: float = 0.0

@@ -16,10 +16,10 @@ PHASES = ("off", "swing_up", "catch", "balance", "brake")
 class Gain(NamedTuple):
     """L of u = −Lx [V per unit of state]."""
 
-    l1: float = 0.0
-    l2: float = 0.0
-    l3: float = 0.0
-    l4: float = 0.0
+    l1: float
+    l2: float
+    l3: float
+    l4: float
 
 
 class ControlledRig(NamedTuple):
