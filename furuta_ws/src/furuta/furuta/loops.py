@@ -193,5 +193,7 @@ def plain_value(value: Any) -> Any:
         return part_name(value)
     plain = np.asarray(value).tolist()
     if plain is None or isinstance(plain, (dict, complex)):
-        raise ParameterError(f"a parameter must be a number, text or list, given {value!r}")
+        raise ParameterError(
+            f"a parameter must be a number, text or list, given {shortened(value)}"
+        )
     return plain
