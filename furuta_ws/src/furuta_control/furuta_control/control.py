@@ -31,7 +31,6 @@ from furuta_model.own_functions import OwnMemory, forget_own, own_function, samp
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
 from furuta_model.pendulum import FurutaPendulum
 
-BALANCE, OPEN_LOOP, SWING_UP, OFF, OWN = range(5)
 MODES = (
     Mode("balance", "state feedback about upright with friction compensation", feedback=True),
     Mode("open_loop", "the excitation signal alone, at any pendulum angle, for identification"),
@@ -39,6 +38,11 @@ MODES = (
     Mode("off", "0 V"),
 )
 _NAMES = tuple(each.name for each in MODES)
+# Kinds: places in the list, and one of the user's own.
+BALANCE = _NAMES.index("balance")
+OPEN_LOOP = _NAMES.index("open_loop")
+SWING_UP = _NAMES.index("swing_up")
+OWN = len(MODES)
 _MEANINGS = "; ".join(f"{each.name}: {each.meaning}" for each in MODES)
 # What the controller does in a sample, for those who watch it: the phases of the swing-up, or the
 # mode.
@@ -195,11 +199,11 @@ def _driven(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
         return 0.0
     if p.mode == SWING_UP:
         return swing_up.command(memory.swing_up, memory.balance, x, friction, p.swing_up)
-    if p.mode == OFF:
-        return np.nan
-    g, reference = p.balance.gain, p.balance.parameters.arm_reference
-    given = OwnControl(g.l1, g.l2, g.l3, g.l4, reference, p.voltage_limit, p.sample_time)
-    return own.command(memory.own, x, friction, p.function, given)
+    if p.mode == OWN:
+        g, reference = p.balance.gain, p.balance.parameters.arm_reference
+        given = OwnControl(g.l1, g.l2, g.l3, g.l4, reference, p.voltage_limit, p.sample_time)
+        return own.command(memory.own, x, friction, p.function, given)
+    return np.nan
 
 
 @inlined

@@ -38,7 +38,6 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-KALMAN, LOWPASS, WHOLE_CIRCLE, OWN = range(4)
 METHODS = (
     Method(
         "kalman",
@@ -56,6 +55,11 @@ METHODS = (
     ),
 )
 METHOD_NAMES = tuple(method.name for method in METHODS)
+# Kinds: places in the list, and one of the user's own.
+KALMAN = METHOD_NAMES.index("kalman")
+LOWPASS = METHOD_NAMES.index("lowpass")
+WHOLE_CIRCLE = METHOD_NAMES.index("whole_circle")
+OWN = len(METHODS)
 _MEANINGS = "; ".join(f"{method.name}: {method.meaning}" for method in METHODS)
 # Values of ``running`` in the estimator's memory that are no method.
 NOT_RUNNING, UNFILTERED = 0, -1
@@ -260,8 +264,10 @@ def update(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign)
         lowpass.update(x, memory.readings.last, measurement, p.lowpass)
     elif p.method == WHOLE_CIRCLE:
         whole_circle.update(x, measurement, p.whole_circle)
-    else:
+    elif p.method == OWN:
         own.update(memory.own, x, measurement, p.function, p.own)
+    else:
+        x[PHI_DOT] = nan
 
 
 @inlined

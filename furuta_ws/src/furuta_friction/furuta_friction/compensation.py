@@ -7,7 +7,7 @@ it has parameters, memory or design. A function of the user's own needs no file
 """
 
 from dataclasses import dataclass, field
-from math import isnan
+from math import isnan, nan
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -32,7 +32,6 @@ from furuta_model.own_functions import OwnMemory, forget_own, own_function, samp
 from furuta_model.parameters import INLINE, SELECTS, About, designed_once
 from furuta_model.state import PHI, PHI_DOT
 
-NONE, COULOMB, STICTION, LUGRE, ADAPTIVE, DISTURBANCE_OBSERVER, COMBINED, OWN = range(8)
 ALL = (
     Compensator("none", "0 V"),
     Compensator("coulomb", "Coulomb level with the sign of the speed, eq. (4)"),
@@ -56,6 +55,15 @@ ALL = (
     ),
 )
 COMPENSATIONS = tuple(compensator.name for compensator in ALL)
+# Kinds: places in the list, and one of the user's own.
+NONE = COMPENSATIONS.index("none")
+COULOMB = COMPENSATIONS.index("coulomb")
+STICTION = COMPENSATIONS.index("stiction")
+LUGRE = COMPENSATIONS.index("lugre")
+ADAPTIVE = COMPENSATIONS.index("adaptive")
+DISTURBANCE_OBSERVER = COMPENSATIONS.index("disturbance_observer")
+COMBINED = COMPENSATIONS.index("combined")
+OWN = len(ALL)
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
 
 
@@ -137,7 +145,8 @@ def that_stays(p: CompensationDesign) -> CompensationDesign:
 @inlined
 def reset(memory: CompensationMemory) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
-    memory.bristle.z = memory.combined.rest = 0.0
+    memory.bristle.z = 0.0
+    memory.combined.rest = 0.0
     forget_own(memory.own)
 
 
@@ -172,4 +181,6 @@ def estimate_friction(  # noqa: PLR0911 (one for each compensator)
         return disturbance_observer.estimate(x, p.joint)
     if p.kind == COMBINED:
         return combined.estimate(memory.combined, x, p.combined)
-    return own.estimate(memory.own, x, p.function, p.adaptive)
+    if p.kind == OWN:
+        return own.estimate(memory.own, x, p.function, p.adaptive)
+    return nan

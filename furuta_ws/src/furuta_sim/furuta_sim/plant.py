@@ -16,6 +16,7 @@ from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Actuator, Sensors, drive, measure
 from furuta_model.state import BRISTLE, PHI, PHI_DOT, SIGNALS
+from furuta_ros.wire import Signals
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant_parts import (
     Parts,
@@ -27,8 +28,6 @@ from furuta_sim.plant_parts import (
 
 # Random numbers per sample: tachometer, potentiometer.
 NOISE_CHANNELS = 2
-
-Signals = tuple[float, float, float, float, float]
 
 
 class Plant(NamedTuple):

@@ -141,7 +141,8 @@ def command(
     simulated at 1 kHz with the encoder, and one is recommended. For a recording, both are repeated
     for other axes that may have produced it. Units are N m, rad, kg m² and s, or N, m, kg and s.
 
-    Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --pid 2 6 0.12
+    Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction
+    --pid 2 6 0.12
     """
     from furuta.axis.axis import Axis, Cascade, Pid, axis_report, parse_friction, servo_motions
     from furuta.axis.compensations import compare_on_axis

@@ -61,8 +61,12 @@ ALL: tuple[Law, ...] = (
     Law("dahl", coulomb_level, bristle=True, damped=False, constant=True),
     _STRIBECK._replace(name="maxwell_slip", bristle=True, damped=False, springs=True),
 )
-# Kinds of laws; OWN is a law of the user's own.
-COULOMB, STICTION, STRIBECK, LUGRE, DAHL, MAXWELL_SLIP, OWN = range(7)
+# Kinds: places in the list, and one of the user's own.
+COULOMB = LAWS.index("coulomb")
+STICTION = LAWS.index("stiction")
+LUGRE = LAWS.index("lugre")
+DAHL = LAWS.index("dahl")
+OWN = len(LAWS)
 # Speed [rad/s] below which the arm counts as at rest under a law without bristle.
 ZERO_SPEED = 1e-9
 # Largest parameter of a joint in units of its own, such as N, m and s.
