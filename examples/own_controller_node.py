@@ -36,8 +36,8 @@ class StateFeedbackNode(Node):
         command = -sum(gain * value for gain, value in zip(GAIN, x, strict=True))
         if abs(x[2]) > 0.7:  # it has fallen
             command = 0.0
-        self.publisher.publish(Float64(data=min(max(command, -10.0), 10.0)))
         self.answered += 1
+        self.publisher.publish(Float64(data=min(max(command, -10.0), 10.0)))
 
 
 # rclpy's own handler of Ctrl-C would end ROS in the middle of a callback, and now and then it does
