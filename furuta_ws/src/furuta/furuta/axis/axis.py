@@ -20,7 +20,7 @@ import numpy as np
 
 from furuta.limit_cycles.joint import Joint, JointCycle, final_motion, joint
 from furuta.limit_cycles.linear_loop import BRISTLE, W
-from furuta_model.friction.laws import FALLING, check_friction, find_law
+from furuta_model.friction.laws import check_friction, falls, find_law
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -239,7 +239,7 @@ def parse_friction(text: str, law: str) -> Friction:
         except ValueError:
             raise ParameterError(f"{name} must be a number, given {value!r}") from None
     needed = ["alpha0"]
-    if given.get("alpha1") and law in FALLING:
+    if given.get("alpha1") and falls(law):
         needed.append("stribeck_velocity")
     if find_law(law).bristle:
         needed.append("sigma0")

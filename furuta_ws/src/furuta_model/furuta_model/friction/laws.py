@@ -47,13 +47,11 @@ from furuta_model.parameters import SELECTS, ParameterError
 _STRIBECK = Law(
     "stribeck",
     stribeck_curve,
-    static_level,
     fundamental=stribeck_fundamental,
     mean=stribeck_mean,
     slope=stribeck_slope,
 )
-# In the order of LAWS.
-ALL: tuple[Law, ...] = (
+_LISTED = (
     Law("coulomb", coulomb_level, constant=True),
     Law("stiction", coulomb_level, static_level, constant=True),
     _STRIBECK,
@@ -61,6 +59,8 @@ ALL: tuple[Law, ...] = (
     Law("dahl", coulomb_level, bristle=True, damped=False, constant=True),
     _STRIBECK._replace(name="maxwell_slip", bristle=True, damped=False, springs=True),
 )
+_BY_NAME = {law.name: law for law in _LISTED}
+ALL = tuple(_BY_NAME[name] for name in LAWS)
 # Kinds: places in the list, and one of the user's own.
 COULOMB = LAWS.index("coulomb")
 STICTION = LAWS.index("stiction")
@@ -71,8 +71,6 @@ OWN = len(LAWS)
 ZERO_SPEED = 1e-9
 # Largest parameter of a joint in units of its own, such as N, m and s.
 LARGEST = 1e12
-# Laws whose level falls with the speed.
-FALLING = ("stribeck", "lugre", "maxwell_slip")
 # The paper's parameters.
 PAPER = Friction()
 
@@ -145,6 +143,11 @@ def _level_at_rest(level: Callable[[float, Friction], float]) -> Callable[[Frict
     return lambda p: level(0.0, p)
 
 
+def falls(name: str) -> bool:
+    """Whether the level of a law of :data:`LAWS` falls over its Stribeck velocity."""
+    return name in LAWS and not find_law(name).constant
+
+
 def check_friction(name: str, p: Friction) -> None:
     """Reject parameters that friction of this law cannot have, in units of its own.
 
@@ -156,7 +159,7 @@ def check_friction(name: str, p: Friction) -> None:
         low, high = (-1.0, 1.0) if parameter == "asymmetry" else (0.0, LARGEST)
         if not low <= value <= high:
             raise ParameterError(f"{parameter} must be {low:g} to {high:g}, given {value:g}")
-    needed = {"sigma0": find_law(name).bristle, "stribeck_velocity": name in FALLING}
+    needed = {"sigma0": find_law(name).bristle, "stribeck_velocity": falls(name)}
     for parameter, divides in needed.items():
         if divides and getattr(p, parameter) == 0.0:
             raise ParameterError(f"friction of the law {name} needs {parameter} above 0")
@@ -198,9 +201,9 @@ def breakaway_level(direction: float, law: FrictionLaw) -> float:
     factor = direction_factor(direction, law.parameters)
     if law.kind == OWN:
         return call_own(law.breakaway, (copied(law.parameters),)) * factor
-    if law.kind == COULOMB or law.kind == DAHL:  # noqa: PLR1714 (C export)
-        return coulomb_level(0.0, law.parameters) * factor
-    return static_level(law.parameters) * factor
+    if law.kind == STICTION:
+        return static_level(law.parameters) * factor
+    return symmetric_level(0.0, law) * factor
 
 
 @inlined
