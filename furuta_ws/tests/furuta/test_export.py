@@ -27,8 +27,9 @@ from exported_loop import (
 
 import furuta
 from furuta.export.functions import Translation
-from furuta.export.values import DOUBLE, FLOAT, REAL, ExportError, Number
+from furuta.export.values import DOUBLE, FLOAT, REAL, ExportError, Known, Number
 from furuta_hw.emulator.firmware_compiler import run_compiler
+from furuta_model.friction.parameters import Friction
 from furuta_sim.simulation.closed_loop import Loop
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
@@ -107,7 +108,7 @@ def test_the_test_program_finds_a_wrong_gain(case: str, precision: str, tmp_path
     write_loop(loop, tmp_path, PRECISIONS[precision])
     sources = tmp_path / "loop.c", tmp_path / "loop_test.c"
     assert load(tmp_path, "-Dmain=loop_test", *sources).loop_test() == 0
-    text, gain = sources[0].read_text(), r"(balance_l3) = (\S+);"
+    text, gain = sources[0].read_text(), r"(balance_gain_l3) = (\S+);"
     sources[0].write_text(re.sub(gain, r"\1 = (1.01f) * (\2);", text))
     assert load(tmp_path, "-Dmain=loop_test", *sources).loop_test() == 1
 
@@ -195,6 +196,22 @@ def with_raise(x: float) -> float:
     if x > 1.0:
         raise ArithmeticError
     return x
+
+
+OTHER = Friction(alpha0=0.1)
+
+
+def with_another_meaning(x: float, p: Friction) -> float:
+    if x > 1.0:
+        p = OTHER
+    return p.alpha0 * x
+
+
+def test_a_branch_gives_no_other_meaning() -> None:
+    """What is no number would keep the meaning of the branch after it."""
+    known = {"x": Number(REAL, "x"), "p": Known(Friction(), "p")}
+    with pytest.raises(ExportError, match="p is no number, and means something else in a branch"):
+        Translation(DOUBLE, "").function(with_another_meaning, known)
 
 
 def test_errors_name_line_and_reason() -> None:

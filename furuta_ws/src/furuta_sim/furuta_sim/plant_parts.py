@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, find_law
 from furuta_model.parts.coupling import (
     ElasticRig,
@@ -139,13 +139,16 @@ def move_with_parts(
 @compiled
 def friction_with_parts(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> float:
     """Friction F [V] of the arm, and of its motor behind an elastic coupling."""
-    x, motor, coupling = memory.x, memory.motor, parts.coupling
-    change, variation = memory.level_change, parts.variation
-    if coupling.on:
-        law = coupling.arm_friction
-    arm_law = varied(law, x[PHI], change, variation)
-    friction = joint_friction(memory, x[PHI_DOT], x[BRISTLE], parts.springs, arm_law)
-    if coupling.on:
-        motor_law = varied(coupling.motor_friction, motor.angle, change, variation)
-        friction += joint_friction(motor, motor.speed, motor.bristle, parts.springs, motor_law)
-    return friction
+    motor, coupling = memory.motor, parts.coupling
+    if not coupling.on:
+        return _arm_friction(memory, law, parts)
+    law = varied(coupling.motor_friction, motor.angle, memory.level_change, parts.variation)
+    of_motor = joint_friction(motor, motor.speed, motor.bristle, parts.springs, law)
+    return _arm_friction(memory, coupling.arm_friction, parts) + of_motor
+
+
+@inlined
+def _arm_friction(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> float:
+    x = memory.x
+    law = varied(law, x[PHI], memory.level_change, parts.variation)
+    return joint_friction(memory, x[PHI_DOT], x[BRISTLE], parts.springs, law)

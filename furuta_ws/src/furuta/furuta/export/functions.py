@@ -254,10 +254,17 @@ class _Function(Expressions):
     def _store_name(self, name: str, value: Any, block: list[ast.stmt]) -> None:
         if name == "_":
             return
+        in_branch = name in self.names and self.indent != INDENT
+        if in_branch and not isinstance(value, Number):
+            raise ExportError(f"{name} is no number, and means something else in a branch")
         if isinstance(value, Group):
             parts = (self._kept(n, leaf, block) for n, leaf in leaves(value, name))
             self.names[name] = rebuilt(value, parts)
-        elif self.stored[name] == 1 and (value.is_constant or not isinstance(value, Number)):
+        elif (
+            self.stored[name] == 1
+            and not in_branch
+            and (value.is_constant or not isinstance(value, Number))
+        ):
             self.names[name] = value
         elif isinstance(value, Number):
             self.names[name] = self._variable(name, value, block)
