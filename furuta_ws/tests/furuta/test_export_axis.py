@@ -191,7 +191,7 @@ def test_floats_deviate_little(case: str, tmp_path: Path) -> None:
     [
         ("lugre", "float", "feedback_speed"),
         ("combined", "double", "feedback_error"),
-        ("unknown_inertia", "double", "compensation_friction_alpha0"),
+        ("unknown_inertia", "double", "compensation_joint_friction_alpha0"),
     ],
 )
 def test_the_test_program_finds_a_wrong_gain(
