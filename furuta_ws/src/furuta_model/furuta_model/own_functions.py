@@ -1,6 +1,6 @@
 """Functions of the user's own as parts of a loop: compiled, called by address.
 
-A part is a Python function, or an entry of a registry with such functions; parameters choose it by
+A part is a Python function, or a friction law with such functions; parameters choose it by
 a name that the process accepts (:mod:`furuta_model.accepted_parts`). The loop is compiled once for
 all such parts, because it calls them by their addresses, which are numbers of its design. So
 built-in parts are unaffected.
