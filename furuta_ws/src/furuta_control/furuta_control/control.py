@@ -27,7 +27,7 @@ from furuta_control.modes.own import OwnControl
 from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
 from furuta_model.compiled import inlined
 from furuta_model.linear import DesiredPoles, place_poles
-from furuta_model.own_functions import OwnMemory, forget_own, own_function, sample_function
+from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
 from furuta_model.pendulum import FurutaPendulum
 
@@ -146,11 +146,7 @@ class ControllerMemory:
 @designed_once
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe; for another mode only what takes no time."""
-    kind, function = OWN, 0
-    if p.mode in _NAMES:
-        kind = _NAMES.index(p.mode)
-    else:
-        function = sample_function(own_function(p.mode), OwnControl, float64)
+    kind, function = kind_and_address(p.mode, _NAMES, OwnControl, float64)
     rig = ControlledRig(p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.sample_time)
     balancing = balance.design(rig, p.balance)
     return ControllerDesign(

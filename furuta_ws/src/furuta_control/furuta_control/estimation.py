@@ -22,7 +22,7 @@ from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.linear import KalmanParameters
-from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, own_function, sample_function
+from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -164,11 +164,7 @@ class EstimatorMemory:
 def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     """The estimator that the parameters describe."""
     chosen, rig = p.chosen, p.rig
-    method, function = OWN, 0
-    if p.method in METHOD_NAMES:
-        method = METHOD_NAMES.index(p.method)
-    else:
-        function = sample_function(own_function(p.method), OwnEstimation, ADDRESS)
+    method, function = kind_and_address(p.method, METHOD_NAMES, OwnEstimation, ADDRESS)
     return EstimatorDesign(
         method=method,
         function=function,

@@ -21,7 +21,9 @@ MULTISINE_PEAK = 3.781
 
 
 KINDS = ("none", "steps", "sine", "multisine")
-NONE, STEPS, SINE, MULTISINE = range(4)
+STEPS = KINDS.index("steps")
+SINE = KINDS.index("sine")
+MULTISINE = KINDS.index("multisine")
 
 
 @compiled

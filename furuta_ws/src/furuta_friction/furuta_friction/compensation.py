@@ -28,7 +28,7 @@ from furuta_friction.compensators.combined import Combined, CombinedMemory, Comb
 from furuta_friction.compensators.own import OwnCompensation
 from furuta_model.compiled import inlined
 from furuta_model.friction.parameters import Friction
-from furuta_model.own_functions import OwnMemory, forget_own, own_function, sample_function
+from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, designed_once
 from furuta_model.state import PHI, PHI_DOT
 
@@ -121,11 +121,7 @@ class CompensationMemory:
 @designed_once
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
     """The compensation that the parameters describe."""
-    kind, function = OWN, 0
-    if p.compensation in COMPENSATIONS:
-        kind = COMPENSATIONS.index(p.compensation)
-    else:
-        function = sample_function(own_function(p.compensation), OwnCompensation)
+    kind, function = kind_and_address(p.compensation, COMPENSATIONS, OwnCompensation)
     joint = Joint(p.friction, p.observer_gain, p.sample_time)
     return CompensationDesign(
         kind=kind,

@@ -12,7 +12,7 @@ annotated with one, or else an array of :data:`OWN_NUMBERS` numbers. All numbers
 import logging
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from inspect import isfunction
@@ -114,6 +114,16 @@ def sample_function(function: Callable[..., Any], given: type, *others: Any) -> 
         return lambda own, x, p: inner(memory(own), _signals(x), p)
 
     return address_of(function, types.voidptr, ADDRESS, *others, numba.typeof(given()), entry=entry)
+
+
+def kind_and_address(name: str, names: Sequence[str], given: type, *others: Any) -> tuple[int, int]:
+    """Kind of a part, its place in ``names``, and 0; of an own function the next and its address.
+
+    ``given`` and ``others`` are those of :func:`sample_function`.
+    """
+    if name in names:
+        return names.index(name), 0
+    return len(names), sample_function(own_function(name), given, *others)
 
 
 def _memory_view(function: Callable[..., Any]) -> Any:
