@@ -12,12 +12,17 @@ noise: with and without delay, gravity, spring, stiction, Stribeck friction, une
 waves. Asymmetry with Coulomb friction alone cannot be told from an offset: the prior of 0.2 covers
 it.
 
+``drives`` are those of furuta_ws/tests/driven_axes.py: axes that move as engineers move them, by
+S-curves with and without feedforward, jogs, triangles, speed steps, random binary torques and
+sines, at 100 to 1000 Hz for 10 to 30 s.
+
 For each value it prints how often the truth lies within two standard errors and how often beyond
 four, the median deviation in standard errors, which shows a bias, and the median standard error.
 """
 
 import argparse
 import sys
+import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -31,11 +36,13 @@ from furuta.identification.options import Options
 from furuta.identification.regression.equations import has_one_level
 from furuta.identification.result.report import summary, verdict
 from furuta_model.parameters import ParameterError
+from furuta_recordings.recording import Recording
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "tests"))
 
+from driven_axes import MOTIONS, driven_axis  # type: ignore[import-not-found]
 from random_rigs import Rig, sampled  # type: ignore[import-not-found]
-from true_axes import random_axis  # type: ignore[import-not-found]
+from true_axes import TrueAxis, random_axis  # type: ignore[import-not-found]
 
 NEAR, FAR = 2.0, 4.0
 # Of each value, by name: its deviation in standard errors, and the relative standard error [%].
@@ -96,6 +103,17 @@ def rig(seed: int) -> Judged:
 def axis(seed: int) -> Judged:
     """An axis; the remark names effects that are reported though it does not have them."""
     sample, _, recording = random_axis(seed)
+    return _judged_axis(sample, recording)
+
+
+def drive(seed: int) -> Judged:
+    """An axis under a controller, which also counts in the group of its motion."""
+    sample, motion, recording = driven_axis(seed)
+    judged = _judged_axis(sample, recording)
+    return judged._replace(groups=(*judged.groups, *(motion for _ in judged.groups[:1])))
+
+
+def _judged_axis(sample: TrueAxis, recording: Recording) -> Judged:
     fit, true = identify_axis(recording), sample.values()
     invented = " ".join(name for name in fit.values if not true.get(name))
     remark = f"usable: {fit.usable}{', invented: ' if invented else ''}{invented}"
@@ -103,7 +121,7 @@ def axis(seed: int) -> Judged:
     return Judged(remark, groups, _compared(fit.values, fit.standard_errors, true))
 
 
-STUDIES: dict[str, Callable[[int], Judged]] = {"rigs": rig, "axes": axis}
+STUDIES: dict[str, Callable[[int], Judged]] = {"rigs": rig, "axes": axis, "drives": drive}
 
 
 def main() -> None:
@@ -117,6 +135,7 @@ def main() -> None:
     given = parser.parse_args()
     remarks = Counter[str]()
     groups: dict[str, dict[str, list[tuple[float, float]]]] = defaultdict(lambda: defaultdict(list))
+    begin = time.process_time()
     for seed in range(given.first, given.first + given.number):
         try:
             judged = STUDIES[given.kind](seed)
@@ -131,18 +150,19 @@ def main() -> None:
             for name, pair in judged.found.items():
                 groups[group]["wave" if name[:4] in ("cos ", "sin ") else name].append(pair)
     for title, rows in groups.items():
-        _print(title, rows)
+        print(f"{title:26}{'number':>8}{'within':>9}{'beyond':>9}{'median':>9}{'error':>9}")
+        for name, pairs in rows.items() if title not in MOTIONS else ():
+            _print(name, pairs)
+        _print("together", [pair for pairs in rows.values() for pair in pairs])
+    print(f"{time.process_time() - begin:.0f} s of CPU, the simulation included")
     print(*(f"{count:4d} {remark}" for remark, count in remarks.most_common()), sep="\n")
 
 
-def _print(title: str, group: dict[str, list[tuple[float, float]]]) -> None:
-    print(f"{title:26}{'number':>8}{'within':>9}{'beyond':>9}{'median':>9}{'error':>9}")
-    together = [pair for rows in group.values() for pair in rows]
-    for name, rows in [*group.items(), ("together", together)]:
-        off, errors = np.array(rows).T
-        within, beyond = 100.0 * np.mean(np.abs(off) <= NEAR), 100.0 * np.mean(np.abs(off) > FAR)
-        middle = f"{np.median(off):9.2f}{np.median(errors):8.2f}%"
-        print(f"{name:26}{len(rows):8d}{within:8.1f}%{beyond:8.2f}%{middle}")
+def _print(name: str, pairs: list[tuple[float, float]]) -> None:
+    off, errors = np.array(pairs).T
+    within, beyond = 100.0 * np.mean(np.abs(off) <= NEAR), 100.0 * np.mean(np.abs(off) > FAR)
+    middle = f"{np.median(off):9.2f}{np.median(errors):8.2f}%"
+    print(f"{name:26}{len(pairs):8d}{within:8.1f}%{beyond:8.2f}%{middle}")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_recordings.recording import Recording
 
 # Steps per sample, and noise of the recorded torque relative to its largest acceleration.
@@ -55,6 +55,22 @@ class TrueAxis(NamedTuple):
         return {**values, **wave}
 
 
+@inlined
+def advanced(
+    a: TrueAxis, q: float, v: float, torque: float, time: float, h: float
+) -> tuple[float, float]:
+    """Position and speed after a short step of h [s] from a time [s]."""
+    net = torque - a.offset - a.spring * q - a.wave * np.cos(a.order * q + a.phase)
+    net -= a.gravity_sin * np.sin(q) + a.gravity_cos * np.cos(q) + a.drift * time
+    side = np.sign(v) if v != 0.0 else np.sign(net)
+    level = a.alpha0 + a.alpha1 * np.exp(-((v / a.stribeck_velocity) ** 2))
+    level += a.torque_friction * abs(torque) + a.drag * v * v
+    free = v + h / a.inertia * (net - a.viscous * v - a.viscous_difference * abs(v))
+    left = max(abs(free) - h / a.inertia * (1.0 + side * a.asymmetry) * level, 0.0)
+    after = 0.0 if v * free < 0.0 else np.sign(free) * left
+    return q + 0.5 * h * (v + after), after
+
+
 @compiled
 def _move(a: TrueAxis, torque: np.ndarray, interval: float, out: np.ndarray) -> None:
     """Position at each sample; the torque of sample k holds until the next one."""
@@ -64,19 +80,7 @@ def _move(a: TrueAxis, torque: np.ndarray, interval: float, out: np.ndarray) -> 
         out[i] = q
         for step in range(PER_SAMPLE):
             k = int(np.floor((i * PER_SAMPLE + step - late) / PER_SAMPLE + 1e-9))
-            net = (
-                torque[max(k, 0)] - a.offset - a.spring * q - a.wave * np.cos(a.order * q + a.phase)
-            )
-            net -= a.gravity_sin * np.sin(q) + a.gravity_cos * np.cos(q)
-            net -= a.drift * (i * interval + step * h)
-            side = np.sign(v) if v != 0.0 else np.sign(net)
-            level = a.alpha0 + a.alpha1 * np.exp(-((v / a.stribeck_velocity) ** 2))
-            level += a.torque_friction * abs(torque[max(k, 0)]) + a.drag * v * v
-            free = v + h / a.inertia * (net - a.viscous * v - a.viscous_difference * abs(v))
-            left = max(abs(free) - h / a.inertia * (1.0 + side * a.asymmetry) * level, 0.0)
-            after = 0.0 if v * free < 0.0 else np.sign(free) * left
-            q += 0.5 * h * (v + after)
-            v = after
+            q, v = advanced(a, q, v, torque[max(k, 0)], i * interval + step * h, h)
 
 
 def positions(axis: TrueAxis, torque: np.ndarray, interval: float) -> np.ndarray:
