@@ -17,7 +17,7 @@ from furuta.identification.result.identified_rig import (
     quadratic_poles,
 )
 from furuta.identification.result.report import standard_errors, summary, verdict
-from furuta.identification.shooting.unknowns import wave_names
+from furuta.identification.shooting.unknowns import wave
 from furuta.identification.uncertainty.identifiability import undetermined
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs.rig import Rig
@@ -69,7 +69,7 @@ def test_standard_errors_cover_the_truth(model: Model) -> None:
 def test_waves_and_zeros(model: Model) -> None:
     report = summary(model)
     assert 5 in [wave["order"] for wave in report["waves"]]
-    amplitudes = [model.values[name] for name in wave_names(5)]
+    amplitudes = [model.values[key] for key in wave(5)]
     assert amplitudes == pytest.approx(EXAMPLE.waves[1, 1:], abs=0.015)
     zeros = list(report["setup"]["zeros"].values())
     assert zeros[0] - zeros[1] == pytest.approx(0.1, abs=0.005)
@@ -103,7 +103,7 @@ def test_a_held_out_recording_shows_that_the_drive_clips(model: Model, clips: bo
 def test_what_depends_on_an_undetermined_value_is_withheld(model: Model) -> None:
     """Derived values have the errors of all that they depend on."""
     covariance = model.covariance.copy()
-    arm = model.names.index("arm_inertia")
+    arm = model.keys.index("arm_inertia")
     covariance[arm, arm] = 4.0
     report = summary(model._replace(covariance=covariance))
     for name in ("alpha", "a23", "b21", "b41"):
@@ -113,7 +113,7 @@ def test_what_depends_on_an_undetermined_value_is_withheld(model: Model) -> None
     assert report["beta"] is not None
     assert report["natural_frequency_rad_s"] is not None
     covariance[:] = model.covariance
-    viscous = model.names.index("viscous")
+    viscous = model.keys.index("viscous")
     covariance[viscous, viscous] = 1.0
     assert summary(model._replace(covariance=covariance))["viscous"] is None
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from furuta.axis.axis import NOTHING, Axis, Controller, servo_cycle
 from furuta.identification.axis.effects import FALL
-from furuta.identification.axis.fitting import value_of
 from furuta.identification.axis.identify import AxisFit
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.parameters import Friction
@@ -93,7 +92,7 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     """
     random = np.random.default_rng(seed)
     centre = identified_axis(fit)
-    means = [value_of(fit.fit.model, name) for name in fit.names]
+    means = fit.fit.unknowns.vector(fit.fit.values)
     vectors = random.multivariate_normal(means, fit.covariance, draws, method="eigh")
     return [
         _drawn(centre, dict(zip(fit.names, vector, strict=True)), fit, random) for vector in vectors

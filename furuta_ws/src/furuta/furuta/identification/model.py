@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.identification.shooting.optimisation import fit_percent
-from furuta.identification.shooting.segments import cut_into_segments
-from furuta.identification.shooting.shooting import Shooting
+from furuta.identification.shooting.optimisation import fit_percent, optimise
 from furuta.identification.shooting.unknowns import ParameterValues
+from furuta.identification.unknowns import Key
 from furuta_recordings.recording import CHANNELS, Recording
 
 
@@ -29,7 +28,7 @@ class Prediction(NamedTuple):
 class Model(NamedTuple):
     """A fitted model.
 
-    ``names`` are the fitted unknowns, then those that had to be assumed; ``covariance`` is that of
+    ``keys`` are the fitted unknowns, then those that had to be assumed; ``covariance`` is that of
     their vector, ``information`` the data's part of its inverse. ``window`` [s] is infinite for
     free runs, ``scale`` (4,) the residual of each channel that counts as one.
 
@@ -40,7 +39,7 @@ class Model(NamedTuple):
     """
 
     values: ParameterValues
-    names: list[str]
+    keys: list[Key]
     covariance: np.ndarray
     information: np.ndarray
     window: float
@@ -53,9 +52,9 @@ class Model(NamedTuple):
     direction: float = 1.0
 
     @property
-    def fitted(self) -> list[str]:
-        """Names of the unknowns that were fitted, without those that had to be assumed."""
-        return [name for name, row in zip(self.names, self.information, strict=True) if row.any()]
+    def fitted(self) -> list[Key]:
+        """The unknowns that were fitted, without those that had to be assumed."""
+        return [key for key, row in zip(self.keys, self.information, strict=True) if row.any()]
 
     def predict(self, recording: Recording) -> Prediction:
         """Simulate along a prepared recording, as the model was fitted: freely or in segments.
@@ -63,5 +62,5 @@ class Model(NamedTuple):
         The initial states of segments are fitted, and so is that of a free run that starts in
         motion. A free run from rest starts from the measured state.
         """
-        part = cut_into_segments(recording, self.window, self.scale, self.values)
-        return Prediction(recording, Shooting([part], [], self.values).predictions(np.zeros(0))[0])
+        states = optimise([recording], (), self.values, self.window, self.scale, robust=False)
+        return Prediction(*states.predictions[0])

@@ -16,17 +16,19 @@ import numpy as np
 from furuta.identification.axis.effects import (
     FALL,
     GRAVITY,
+    MOST_WAVES,
     WAVE_BY_CHANCE,
+    Group,
     Scales,
-    chance_of,
     smooth_effects,
-    unknowns,
     wave_groups,
+    waves_of,
 )
-from furuta.identification.axis.fitting import Fit, Linearised, State, changed, value_of
-from furuta.identification.axis.motion import MOST_WAVES, AxisModel
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
 from furuta.identification.axis.start import SLIDES
+from furuta.identification.least_squares import Fit, Linearised, State
+from furuta.identification.selection import chance_of
+from furuta.identification.unknowns import Key, Unknowns, Values
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
@@ -45,10 +47,6 @@ TESTED = ("delay", "spring", *GRAVITY)
 GAP = 5.0
 
 
-# Unknowns that are one effect.
-Group = tuple[str, ...]
-
-
 class Balance(NamedTuple):
     """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque."""
 
@@ -60,7 +58,7 @@ class Balance(NamedTuple):
 class _Rows(NamedTuple):
     """Columns of the balance by name (n,), torque (n,) and block of each row (n,)."""
 
-    columns: dict[str, np.ndarray]
+    columns: dict[Key, np.ndarray]
     torque: np.ndarray
     block: np.ndarray
 
@@ -70,17 +68,18 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
 
     It has no delay, which a slow motion does not show.
     """
-    names = [name for name in about.unknowns.names if name not in TESTED]
+    keys = [key for key in about.unknowns.keys if key not in TESTED]
     rows = _rows(recordings, scales)
-    if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(about.unknowns.names):
+    if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(about.unknowns):
         return None
     singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
-    groups = [
+    groups: list[Group] = [
         *((name,) for name in singles),
-        *((GRAVITY,) if GRAVITY[0] in about.unknowns.names else ()),
+        *((GRAVITY,) if GRAVITY[0] in about.unknowns.keys else ()),
     ]
-    model = changed(about.model, [*FALL[:1], *TESTED], [0.0] * (1 + len(TESTED)))
-    best = _supported(rows, _fitted(rows, names, scales, model), scales, groups)
+    absent: list[Key] = [FALL[0], *TESTED]
+    values = {**about.values, **dict.fromkeys(absent, 0.0)}
+    best = _supported(rows, _fitted(rows, keys, scales, values), scales, groups)
     part = float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
     return Balance(best, _covariance_with_missed(rows, best, scales, [("delay",), *groups]), part)
 
@@ -119,7 +118,7 @@ def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
         bump = _bump(length, part.time[1] - part.time[0])
         columns = _columns(bump, recording, part, scales)
         for other in range(len(parts)):
-            columns[f"offset {other}"] = np.full(len(columns["torque"]), float(other == number))
+            columns["offset", other] = np.full(len(columns["torque"]), float(other == number))
         slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
         slides *= _has_samples(recording, part.time)
         width = len(bump[0])
@@ -140,7 +139,7 @@ def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
 
 def _columns(
     bump: Sequence[np.ndarray], recording: Recording, part: Smoothed, scales: Scales
-) -> dict[str, np.ndarray]:
+) -> dict[Key, np.ndarray]:
     """The torque, and what each unknown contributes to it, averaged over bumps."""
 
     def mean(series: np.ndarray, order: int = 0) -> np.ndarray:
@@ -163,59 +162,61 @@ def _columns(
         "drag": side * mean(part.speed**2),
         "drift": mean(part.time),
         **{
-            name: mean((np.cos if name[:3] == "cos" else np.sin)(int(name[4:]) * q))
+            key: mean(wave(key[1] * q))
             for group in wave_groups(scales)
-            for name in group
+            for key, wave in zip(group, (np.cos, np.sin), strict=True)
         },
     }
 
 
-def _fitted(rows: _Rows, names: Sequence[str], scales: Scales, model: AxisModel) -> Fit:
+def _fitted(rows: _Rows, keys: Sequence[Key], scales: Scales, values: Values) -> Fit:
     """Least squares of the torques, in which residuals have the unit of torque."""
-    about = unknowns(names, scales, model)
-    about = about._replace(sizes=np.abs(about.sizes))  # without gravity an inertia may be negative
-    columns = np.column_stack([rows.columns[name] for name in names]) * about.sizes
+    values = {**dict.fromkeys(keys, 0.0), **values}
+    unknowns = Unknowns(scales.unknown(key, values) for key in keys)
+    size, prior = unknowns.all("size"), (unknowns.all("size") / unknowns.all("spread")) ** 2
+    columns = np.column_stack([rows.columns[key] for key in keys]) * size
     free, *_ = np.linalg.lstsq(columns, rows.torque, rcond=None)
     noise = float(np.std(rows.torque - columns @ free)) or 1e-300
     x, y = columns / noise, rows.torque / noise
-    information = x.T @ x + np.diag((about.sizes / about.priors) ** 2)
+    information = x.T @ x + np.diag(prior)
     step = np.linalg.solve(information, x.T @ y)
     left = y - x @ step
     starts = np.flatnonzero(np.diff(rows.block, prepend=-1.0))
     scores = np.add.reduceat(x * left[:, None], starts)
     blocks = np.add.reduceat(x[:, :, None] * x[:, None, :], starts)
-    model = changed(model, names, list(about.sizes * step))
     none = np.zeros((0, 0))
-    linear = Linearised(information, 0.0 * step, scores, blocks, none, none, x, none)
-    return Fit(State(model, none, noise * left, float(np.sum((noise * left) ** 2))), about, linear)
+    linear = Linearised(information, 0.0 * step, blocks, scores, none, none, x, none, prior, 0.0)
+    cost = float(np.sum((noise * left) ** 2))
+    there = unknowns.changed(values, size * step)
+    return Fit(unknowns, State(there, none, noise * left[:, None], none, cost), linear)
 
 
 def _supported(rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
     """The fit with all effects that the blocks support."""
-    groups, waves = list(more), wave_groups(scales)
-    while len(best.model.waves) < MOST_WAVES:
+    groups = [*more, *wave_groups(scales)]
+    while True:
+        if len(waves_of(best)) >= MOST_WAVES:
+            groups = [group for group in groups if group in more]
         found = []
-        for group in (*groups, *waves):
-            wider = _fitted(rows, (*best.unknowns.names, *group), scales, best.model)
-            allowed = WAVE_BY_CHANCE if group in waves else BY_CHANCE
-            if chance_of(wider, group) < allowed:
+        for group in groups:
+            wider = _fitted(rows, (*best.unknowns.keys, *group), scales, best.values)
+            if chance_of(wider, group) < (BY_CHANCE if group in more else WAVE_BY_CHANCE):
                 found.append((wider.cost, group, wider))
         if not found:
-            break
+            return best
         _, chosen, best = min(found, key=lambda each: each[0])
-        (waves if chosen in waves else groups).remove(chosen)
-    return best
+        groups.remove(chosen)
 
 
 def _covariance_with_missed(
     rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]
 ) -> np.ndarray:
     """Covariance (p, p) in sizes, with how effects that were not found would change the values."""
-    covered, names = best.covariance, best.unknowns.names
+    covered, keys = best.covariance, best.unknowns.keys
     for group in more:
-        if group[0] not in names:
-            other = _fitted(rows, (*names, *group), scales, best.model).model
-            shift = [value_of(other, each) - value_of(best.model, each) for each in names]
-            relative = np.array(shift) / best.unknowns.sizes
+        if group[0] not in keys:
+            other = _fitted(rows, (*keys, *group), scales, best.values).values
+            shift = best.unknowns.vector(other) - best.unknowns.vector(best.values)
+            relative = shift / best.unknowns.all("size")
             covered = covered + np.outer(relative, relative)
     return covered

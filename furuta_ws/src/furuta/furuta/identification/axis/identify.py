@@ -13,20 +13,22 @@ from furuta.identification.axis.effects import (
     ALWAYS,
     FALL,
     GRAVITY,
+    Group,
     Scales,
-    chance_of,
     covariance_with_missed,
+    fitted,
     largest_hidden_fall,
-    significance,
     stiction_error,
     supported,
-    unknowns,
 )
-from furuta.identification.axis.fitting import COARSE, Fit, fit, value_of
-from furuta.identification.axis.motion import AxisModel
-from furuta.identification.axis.segments import Segmented, segmented, smoothed
-from furuta.identification.axis.start import first_models
+from furuta.identification.axis.segments import segmented, smoothed
+from furuta.identification.axis.start import first_values
+from furuta.identification.bodies.axis import wave
+from furuta.identification.bodies.body import Segments
 from furuta.identification.errors import quantisation_step
+from furuta.identification.least_squares import COARSE, Fit
+from furuta.identification.selection import chance_of, significance
+from furuta.identification.unknowns import Key, field_of, name_of
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned
@@ -45,7 +47,8 @@ DOUBTFUL, USELESS, UNEXPLAINED = 0.005, 0.15, 0.6
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
 BY_CHANCE = 1e-3
-# What is said of a fit of the torques.
+# What is said of a value that may be 0, and of a fit of the torques.
+NOT_DISTINGUISHABLE = "not distinguishable from 0"
 BALANCED = "fitted to the torque while the axis slides, because it does not predict the motion"
 
 
@@ -81,7 +84,7 @@ class AxisFit(NamedTuple):
         The model gets the torque, but the position only at the start. The drift is left out; the
         offset is that of the fit, or the recording's ``own_offset``.
         """
-        return _free_run(self, recording, ("offset 0",) if own_offset else ())
+        return _free_run(self, recording, (("offset", 0),) if own_offset else ())
 
     def report(self) -> dict[str, Any]:
         """Everything by name, as the command line prints it."""
@@ -93,7 +96,7 @@ class AxisFit(NamedTuple):
             "reasons": self.reasons,
             "covariance": {"names": list(self.names), "values": self.covariance.tolist()},
             "resolution": self.resolution,
-            "error": _free_run(self, self.recordings[0], ("offset 0", "drift")),
+            "error": _free_run(self, self.recordings[0], (("offset", 0), "drift")),
             "findings": self.findings,
         }
 
@@ -112,18 +115,18 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     ready = [_prepared(recording) for recording in given]
     cut = segmented(ready)
     base, scales = _first_fit(ready, cut)
-    sensor = cut.data.noise
+    sensor = _noise(cut)
     part = base.rms * sensor / _forced_motion(cut)
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
         # Errors of the model are the noise then: they also make the first states uncertain.
-        cut = cut.with_noise(base.rms * cut.data.noise)
-        base = fit(cut, base.model, base.unknowns, base.state.first, COARSE)
+        cut = cut.with_noise(base.rms)
+        base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
     if part <= UNEXPLAINED:
         best = supported(cut, base, scales, drift=len(ready) == 1)
-        if best.rms * cut.data.noise <= USELESS * _forced_motion(cut):
+        if best.rms * _noise(cut) <= USELESS * _forced_motion(cut):
             return _result(ready, cut, best, scales, sensor)
     torques = balanced(ready, base, scales)
-    if torques is not None and torques.part <= USELESS and torques.fit.model.inertia > 0.0:
+    if torques is not None and torques.part <= USELESS and torques.fit.values["inertia"] > 0.0:
         return _result(ready, cut, base, scales, sensor, torques)
     if part > UNEXPLAINED:
         raise ParameterError(
@@ -151,7 +154,7 @@ def _travel(position: np.ndarray) -> float:
     return float(np.ptp(known)) if len(known) else 0.0
 
 
-def _first_fit(recordings: Sequence[Recording], cut: Segmented) -> tuple[Fit, Scales]:
+def _first_fit(recordings: Sequence[Recording], cut: Segments) -> tuple[Fit, Scales]:
     """The fit without further effects, and the usual sizes of everything."""
     even = [smoothed(recording) for recording in recordings]
     speed = float(np.sqrt(np.mean(np.concatenate([each.speed for each in even]) ** 2)))
@@ -159,12 +162,12 @@ def _first_fit(recordings: Sequence[Recording], cut: Segmented) -> tuple[Fit, Sc
     travel = max(float(np.ptp(each.position)) for each in even)
     length = max(recording.duration for recording in recordings)
     gravity = GRAVITY if travel > GRAVITY_TRAVEL else ()
-    offsets = [f"offset {number}" for number in range(len(recordings))]
+    offsets = [("offset", number) for number in range(len(recordings))]
     fits = []
-    for model in first_models(recordings, even, bool(gravity)):
-        scales = Scales(torque, model.alpha0, speed, travel, length)
-        names = (*ALWAYS, *offsets, *gravity)
-        fits.append((fit(cut, model, unknowns(names, scales, model), enough=COARSE), scales))
+    for values in first_values(recordings, even, bool(gravity)):
+        scales = Scales(torque, values["alpha0"], speed, travel, length)
+        keys = (*ALWAYS, *offsets, *gravity)
+        fits.append((fitted(cut, keys, scales, values, enough=COARSE), scales))
         if fits[-1][0].rms < EXPLAINED:
             break
     return min(fits, key=lambda each: each[0].cost)
@@ -172,14 +175,14 @@ def _first_fit(recordings: Sequence[Recording], cut: Segmented) -> tuple[Fit, Sc
 
 def _result(
     recordings: list[Recording],
-    cut: Segmented,
+    cut: Segments,
     best: Fit,
     scales: Scales,
     sensor: float,
     torques: Balance | None = None,
 ) -> AxisFit:
     """Values, errors and verdict, from the balance of torques if it is given."""
-    left = best.rms * cut.data.noise
+    left = best.rms * _noise(cut)
     part, covered = left / _forced_motion(cut), best.covariance
     hidden = largest_hidden_fall(cut, best, scales)
     if torques is not None:
@@ -187,12 +190,12 @@ def _result(
     elif left >= EXPLAINED * sensor:
         covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
     values, errors, undetermined = _reported(best, covered)
-    if best.model.alpha1 and "alpha1" not in best.unknowns.names:
-        value, error = best.model.alpha1, stiction_error(cut, best)
+    if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
+        value, error = best.values["alpha1"], stiction_error(cut, best)
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
             values["alpha1"], errors["alpha1"] = value, error
         else:
-            undetermined["alpha1"] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
+            undetermined["alpha1"] = f"{value:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
         undetermined["stribeck_velocity"] = "friction falls at once after breakaway"
     for name in FALL:
         if name not in {*values, *undetermined}:
@@ -216,8 +219,8 @@ def _result(
         values,
         errors,
         undetermined,
-        best.unknowns.names,
-        covered * np.outer(best.unknowns.sizes, best.unknowns.sizes),
+        tuple(map(name_of, best.unknowns.keys)),
+        covered * np.outer(best.unknowns.all("size"), best.unknowns.all("size")),
         usable,
         reasons,
         findings,
@@ -237,25 +240,22 @@ def _reported(
     values: dict[str, float] = {}
     errors: dict[str, float] = {}
     undetermined: dict[str, str] = {}
-    for name, size, variance in zip(
-        best.unknowns.names, best.unknowns.sizes, np.diag(covered), strict=True
-    ):
-        reported = "offset" if name == "offset 0" else name
-        value, error = value_of(best.model, name), float(size * np.sqrt(variance))
-        needed = [_together(name, best)] + ([FALL[:1]] if name == FALL[1] else [])
-        certain = all(chance_of(best, group, covered) < BY_CHANCE for group in needed)
-        if name.startswith("offset") or certain:
-            values[reported], errors[reported] = value, error
+    deviations = best.unknowns.all("size") * np.sqrt(np.diag(covered))
+    for key, error in zip(best.unknowns.keys, map(float, deviations), strict=True):
+        reported = "offset" if key == ("offset", 0) else name_of(key)
+        groups = [_together(key, best)] + ([FALL[:1]] if key == FALL[1] else [])
+        certain = all(chance_of(best, group, covered) < BY_CHANCE for group in groups)
+        if field_of(key) == "offset" or certain:
+            values[reported], errors[reported] = best.values[key], error
         else:
-            undetermined[reported] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
+            undetermined[reported] = f"{best.values[key]:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
     return values, errors, undetermined
 
 
-def _together(name: str, best: Fit) -> tuple[str, ...]:
+def _together(key: Key, best: Fit) -> Group:
     """The unknowns that are one effect: those of gravity, or of a wave."""
-    kind, _, order = name.partition(" ")
-    group = (f"cos {order}", f"sin {order}") if kind in ("cos", "sin") else GRAVITY
-    return group if name in group and set(group) <= set(best.unknowns.names) else (name,)
+    group = wave(int(key[1])) if field_of(key) in ("cos", "sin") else GRAVITY
+    return group if key in group and set(group) <= set(best.unknowns.keys) else (key,)
 
 
 def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tuple[str, list[str]]:
@@ -270,7 +270,7 @@ def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tup
             f"the model leaves {100.0 * part:.1f} % of the {of}: something acts that it does not "
             "have"
         )
-    segments, unknown = best.segments, len(best.unknowns.names)
+    segments, unknown = best.segments, len(best.unknowns)
     if segments < FEWEST_SEGMENTS * unknown:
         usable = "doubtful" if usable == "yes" else usable
         reasons.append(f"{segments} segments for {unknown} unknowns: record for longer")
@@ -280,21 +280,25 @@ def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tup
     return usable, reasons
 
 
-def _forced_motion(cut: Segmented) -> float:
+def _noise(cut: Segments) -> float:
+    """Standard deviation of a position."""
+    return float(1.0 / cut.weight[0, 0])
+
+
+def _forced_motion(cut: Segments) -> float:
     """Root mean square [rad] of the motion within segments beyond one at constant speed."""
-    data, left = cut.data, []
+    left = []
     for start, end in itertools.pairwise(cut.bounds):
-        t, q = data.time[start:end], data.position[start:end]
+        t, q = cut.time[start:end], cut.measured[start:end, 0]
         basis, _ = np.linalg.qr(np.column_stack((np.ones(len(t)), t - t[0])))
         left.append(q - basis @ (basis.T @ q))
     return float(np.sqrt(np.mean(np.concatenate(left) ** 2))) or 1e-300
 
 
-def _free_run(result: AxisFit, recording: Recording, fitted: tuple[str, ...]) -> float:
+def _free_run(result: AxisFit, recording: Recording, free: Sequence[Key]) -> float:
     """Root mean square error of a free run, with what is fitted to the recording."""
     whole = segmented([_prepared(recording)], np.inf)
-    model: AxisModel = result.fit.model._replace(drift=0.0)
-    model = model._replace(offsets=model.offsets[:1])
-    scales = Scales(1.0, 1.0, 1.0, 1.0, 1.0)
-    run = fit(whole, model, unknowns(fitted, scales, model))
-    return float(whole.data.noise * run.rms)
+    others = {("offset", number) for number in range(1, len(result.recordings))}
+    values = {key: value for key, value in result.fit.values.items() if key not in others}
+    run = fitted(whole, free, Scales(1.0, 1.0, 1.0, 1.0, 1.0), {**values, "drift": 0.0})
+    return _noise(whole) * run.rms

@@ -17,8 +17,6 @@ from furuta_model.compiled import inlined
 
 # Below this product of damping and time the exponential is its series.
 SMALL = 1e-3
-# Waves of the torque over the turn that an axis may have.
-MOST_WAVES = 3
 
 
 class AxisModel(NamedTuple):
@@ -46,21 +44,15 @@ class AxisModel(NamedTuple):
 
 
 class AxisData(NamedTuple):
-    """Recordings on one time axis: samples, commands, and the segments that are fitted.
+    """What recordings move an axis by, on one time axis.
 
-    ``time`` and ``position`` (n,) [s, rad]; ``edges`` and ``torque`` (m,): from an edge [s] on the
-    torque holds. Segment k begins at sample ``starts[k]`` and belongs to recording ``of[k]``. No
-    step of the integration is longer than ``step`` [s]; ``noise`` is that of a position [rad].
+    ``edges`` and ``torque`` (m,): from an edge [s] on the torque holds. No step of the integration
+    is longer than ``step`` [s].
     """
 
-    time: np.ndarray
-    position: np.ndarray
     edges: np.ndarray
     torque: np.ndarray
-    starts: np.ndarray
-    of: np.ndarray
     step: float
-    noise: float
 
 
 @inlined

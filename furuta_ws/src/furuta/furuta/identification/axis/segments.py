@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.identification.axis.motion import AxisData
+from furuta.identification.bodies.body import Segments
 from furuta.identification.errors import series_noise
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
@@ -38,40 +39,6 @@ class Smoothed(NamedTuple):
     acceleration: np.ndarray
     torque: np.ndarray
     window: float
-
-
-class Segmented(NamedTuple):
-    """Data, first states (s, 2) of the segments and their standard deviations (s, 2)."""
-
-    data: AxisData
-    first: np.ndarray
-    spread: np.ndarray
-
-    @property
-    def bounds(self) -> np.ndarray:
-        """First sample of each segment, and the number of samples (s + 1,)."""
-        return np.append(self.data.starts, len(self.data.time))
-
-    @property
-    def lengths(self) -> np.ndarray:
-        """Samples of each segment (s,)."""
-        return np.diff(self.bounds)
-
-    def with_noise(self, noise: float) -> Segmented:
-        """With another noise of the position, and first states as uncertain as that makes them."""
-        return self._replace(
-            data=self.data._replace(noise=noise), spread=self.spread * noise / self.data.noise
-        )
-
-    def chosen(self, which: np.ndarray) -> Segmented:
-        """Some of the segments."""
-        data, bounds = self.data, self.bounds
-        rows = np.concatenate([np.arange(bounds[k], bounds[k + 1]) for k in which])
-        starts = np.cumsum(np.append(0, self.lengths[which]))[:-1]
-        data = data._replace(
-            time=data.time[rows], position=data.position[rows], starts=starts, of=data.of[which]
-        )
-        return Segmented(data, self.first[which], self.spread[which])
 
 
 def position_noise(recording: Recording) -> float:
@@ -108,7 +75,7 @@ def _thinned(even: np.ndarray, step: float) -> np.ndarray:
     return even[:: max(round(0.02 / step), 1)]
 
 
-def segmented(recordings: Sequence[Recording], length: float | None = None) -> Segmented:
+def segmented(recordings: Sequence[Recording], length: float | None = None) -> Segments:
     """Recordings on one time axis, cut into segments of a ``length`` [s]; None chooses it."""
     noise = float(np.median([position_noise(recording) for recording in recordings]))
     length = length or segment_length(recordings, noise)
@@ -120,17 +87,17 @@ def segmented(recordings: Sequence[Recording], length: float | None = None) -> S
     smooth = [smoothed(recording) for recording in recordings]
     starts = [(smooth[k], recordings[k].time[rows.start]) for k, rows in cuts]
     states = np.array([_first_state(*start, noise) for start in starts])
-    data = AxisData(
+    position = np.concatenate([recordings[k].measured[rows, PHI] for k, rows in cuts])
+    return Segments(
         np.concatenate([recordings[k].time[rows] for k, rows in cuts]),
-        np.concatenate([recordings[k].measured[rows, PHI] for k, rows in cuts]),
-        np.concatenate(edges),
-        np.concatenate(torques),
-        np.cumsum([0, *(rows.stop - rows.start for _, rows in cuts[:-1])]),
+        position[:, None],
+        np.full((len(position), 1), 1.0 / noise),
+        np.cumsum([0, *(rows.stop - rows.start for _, rows in cuts)]),
         np.array([k for k, _ in cuts]),
-        STEP,
-        noise,
+        states[:, 0],
+        states[:, 1],
+        AxisData(np.concatenate(edges), np.concatenate(torques), STEP),
     )
-    return Segmented(data, states[:, 0], states[:, 1])
 
 
 def _on_one_axis(recordings: Sequence[Recording]) -> list[Recording]:

@@ -5,6 +5,9 @@ know its stairs. A stop has speed 0, so the shift of its time changes no positio
 turns back at once, it begins to do so earlier or later.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from math import exp
 
 import numpy as np
@@ -18,6 +21,8 @@ from furuta.identification.axis.motion import (
     level,
     next_slide,
 )
+from furuta.identification.bodies.body import Segments
+from furuta.identification.unknowns import Key
 from furuta_model.compiled import compiled, inlined
 
 # Times [s] that are none.
@@ -28,7 +33,24 @@ MOST_EVENTS = 6
 POSITION, SPEED, OFFSET, COSINE, SINE = -2, -1, -3, -4, -5
 
 
-_J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = range(13)
+_J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = (
+    AxisModel._fields.index(name)
+    for name in (
+        "inertia",
+        "alpha0",
+        "viscous",
+        "delay",
+        "gravity_sin",
+        "gravity_cos",
+        "spring",
+        "alpha1",
+        "stribeck_velocity",
+        "asymmetry",
+        "viscous_difference",
+        "drag",
+        "drift",
+    )
+)
 
 
 @inlined
@@ -189,6 +211,9 @@ def _step(
 def _move_along(
     m: AxisModel,
     first: np.ndarray,
+    time: np.ndarray,
+    bounds: np.ndarray,
+    recordings: np.ndarray,
     data: AxisData,
     kinds: np.ndarray,
     numbers: np.ndarray,
@@ -198,17 +223,16 @@ def _move_along(
     """The positions and slopes of :func:`positions_and_slopes`."""
     dq, dv = np.zeros(len(kinds)), np.zeros(len(kinds))
     last = len(data.edges) - 1
-    for s in range(len(data.starts)):
-        end_of = data.starts[s + 1] if s + 1 < len(data.starts) else len(data.time)
-        of = data.of[s]
+    for s in range(len(recordings)):
+        of = recordings[s]
         q, v = first[s, 0], first[s, 1]
         for c in range(len(kinds)):
             dq[c] = 1.0 if kinds[c] == POSITION else 0.0
             dv[c] = 1.0 if kinds[c] == SPEED and v != 0.0 else 0.0
-        t = data.time[data.starts[s]]
+        t = time[bounds[s]]
         k = max(np.searchsorted(data.edges, t - m.delay, side="right") - 1, 0)
-        for i in range(data.starts[s], end_of):
-            end = data.time[i]
+        for i in range(bounds[s], bounds[s + 1]):
+            end = time[i]
             while end - t > SHORTEST:
                 before = data.torque[k]
                 while k < last and data.edges[k + 1] + m.delay <= t + SHORTEST:
@@ -225,23 +249,24 @@ def _move_along(
 
 
 def positions_and_slopes(
-    model: AxisModel, first: np.ndarray, data: AxisData, names: tuple[str, ...]
+    model: AxisModel, first: np.ndarray, cut: Segments, keys: Sequence[Key]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions (n,) of all segments, each from its own ``first`` position and speed (s, 2).
 
     And their slopes (n, p) in some unknowns; "q" and "v" are the first states.
     """
-    positions, slopes = np.empty(len(data.time)), np.empty((len(data.time), len(names)))
-    _move_along(model, first, data, *_kinds_of(names), positions, slopes)
+    positions, slopes = np.empty(len(cut.time)), np.empty((len(cut.time), len(keys)))
+    kinds, numbers = _kinds_of(keys)
+    _move_along(
+        model, first, cut.time, cut.bounds, cut.of, cut.data, kinds, numbers, positions, slopes
+    )
     return positions, slopes
 
 
-def _kinds_of(names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+def _kinds_of(keys: Sequence[Key]) -> tuple[np.ndarray, np.ndarray]:
     """Kind of each unknown and its number: of the recording, or the order of the wave."""
-    kinds, numbers = [], []
-    for name in names:
-        kind, _, number = name.partition(" ")
-        special = {"offset": OFFSET, "cos": COSINE, "sin": SINE, "q": POSITION, "v": SPEED}
-        kinds.append(special[kind] if kind in special else AxisModel._fields.index(kind))
-        numbers.append(int(number or 0))
-    return np.array(kinds, dtype=int), np.array(numbers, dtype=int)
+    special = {"offset": OFFSET, "cos": COSINE, "sin": SINE, "q": POSITION, "v": SPEED}
+    fields = {name: number for number, name in enumerate(AxisModel._fields)} | special
+    pairs = [(key, 0) if isinstance(key, str) else key for key in keys]
+    kinds = np.array([fields[name] for name, _ in pairs], dtype=int)
+    return kinds, np.array([number for _, number in pairs], dtype=int)

@@ -4,8 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from furuta.identification.axis.motion import AxisModel
 from furuta.identification.axis.segments import Smoothed, smoothed
+from furuta.identification.bodies.axis import NOTHING
+from furuta.identification.unknowns import Values
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -16,10 +17,10 @@ SLIDES = 0.05
 WINDOWS = (1.0, 4.0)
 
 
-def first_models(
+def first_values(
     recordings: Sequence[Recording], even: Sequence[Smoothed], gravity: bool
-) -> Iterator[AxisModel]:
-    """First models, one for each smoothing time in which the torque accelerates the axis.
+) -> Iterator[Values]:
+    """First values, one for each smoothing time in which the torque accelerates the axis.
 
     ``even`` are the recordings, smoothed for the first states.
 
@@ -29,10 +30,10 @@ def first_models(
     found = False
     for factor in WINDOWS:
         pairs = zip(recordings, even, strict=True)
-        model = _regression([smoothed(r, factor * each.window) for r, each in pairs], gravity)
-        if model.inertia > 0.0:
+        values = _regression([smoothed(r, factor * each.window) for r, each in pairs], gravity)
+        if values["inertia"] > 0.0:
             found = True
-            yield model
+            yield values
     if not found:
         raise ParameterError(
             f"{recordings[0].name}: the torque does not accelerate the axis; change its sign, or "
@@ -40,28 +41,22 @@ def first_models(
         )
 
 
-def _regression(parts: list[Smoothed], gravity: bool) -> AxisModel:
-    """The model of the delay that explains the torque best."""
+def _regression(parts: list[Smoothed], gravity: bool) -> Values:
+    """The values of the delay that explains the torque best."""
     fits = [(*_at_delay(parts, gravity, delay), delay) for delay in DELAYS]
     _, values, delay = min(fits, key=lambda each: each[0])
-    inertia, level, viscous, spring, sine, cosine = values[:6]
-    return AxisModel(
-        inertia,
-        max(level, 1e-3 * _size(parts)),
-        max(viscous, 0.0),
-        float(delay),
-        sine,
-        cosine,
-        spring,
-        0.0,
-        1.0,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        np.array(values[6:]),
-        np.zeros((0, 3)),
-    )
+    inertia, level, viscous, spring, sine, cosine = map(float, values[:6])
+    return {
+        **NOTHING,
+        "inertia": inertia,
+        "alpha0": max(level, 1e-3 * _size(parts)),
+        "viscous": max(viscous, 0.0),
+        "delay": float(delay),
+        "spring": spring,
+        "gravity_sin": sine,
+        "gravity_cos": cosine,
+        **{("offset", number): float(value) for number, value in enumerate(values[6:])},
+    }
 
 
 def _size(parts: list[Smoothed]) -> float:

@@ -8,6 +8,7 @@ from furuta.identification.options import Options
 from furuta.identification.shooting.optimisation import FINE, optimise
 from furuta.identification.shooting.unknowns import BODY, LUGRE, ParameterValues
 from furuta.identification.uncertainty.covariance import covariance_and_information
+from furuta.identification.unknowns import Key
 from furuta_model.state import PHI, THETA
 from furuta_recordings.recording import Recording
 
@@ -37,34 +38,34 @@ def fit_balanced(
     """Fit segments whose initial states are unknown, growing in length and number of unknowns."""
     window = options.window or SEGMENT
     scale = np.median([noise_of(recording) for recording in recordings], axis=0)
-    names, values = _first_unknowns(recordings, start)
+    keys, values = _first_unknowns(recordings, start)
     options.report("fitting segments of a balanced pendulum")
-    values = optimise(recordings, names, values, 0.2 * window, scale, False).values
-    names += LUGRE
-    values = optimise(recordings, names, values, 0.5 * window, scale, False).values
-    names.append("delay")
-    optimum = optimise(recordings, names, values, window, scale, False)
+    values = optimise(recordings, keys, values, 0.2 * window, scale, False).values
+    keys += LUGRE
+    values = optimise(recordings, keys, values, 0.5 * window, scale, False).values
+    keys.append("delay")
+    optimum = optimise(recordings, keys, values, window, scale, False)
     values = optimum.values
     error = np.sqrt(covariance_and_information(optimum, {})[0][-1, -1])
     if abs(values["delay"]) < max(DELAY_ERRORS * error, DELAY_SAMPLES * recordings[0].interval):
         milliseconds = values["delay"] * 1e3
         findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
-        names.remove("delay")
+        keys.remove("delay")
         values = values.changed(["delay"], [0.0])
-    optimum = optimise(recordings, names, values, window, scale, False, FINE)
+    optimum = optimise(recordings, keys, values, window, scale, False, FINE)
     certainty = covariance_and_information(optimum, {})
-    return Model(optimum.values, names, *certainty, window, scale, recordings, findings)
+    return Model(optimum.values, keys, *certainty, window, scale, recordings, findings)
 
 
 def _first_unknowns(
     recordings: list[Recording], start: ParameterValues
-) -> tuple[list[str], ParameterValues]:
+) -> tuple[list[Key], ParameterValues]:
     """Unknowns of the first fit and their values; lag and tilt only where they are visible."""
-    names = [*BODY, "viscous", "coulomb", "asymmetry", "zero"]
+    keys: list[Key] = [*BODY, "viscous", "coulomb", "asymmetry", "zero"]
     if start["lag"] > SAMPLES_OF_LAG * recordings[0].interval:
-        names.append("lag")
+        keys.append("lag")
     else:
         start = start.changed(["lag"], [0.0])
     if all(np.ptp(r.measured[:, PHI]) > SMALLEST_TRAVEL for r in recordings):
-        names += ["tilt_x", "tilt_y"]
-    return names, start
+        keys += ["tilt_x", "tilt_y"]
+    return keys, start

@@ -15,7 +15,7 @@ from furuta.identification.fitting.swinging import fit_growing_segments
 from furuta.identification.model import Model
 from furuta.identification.options import silent
 from furuta.identification.regression.speeds import turns_one_way
-from furuta.identification.shooting.unknowns import LUGRE, ParameterValues, zero_name
+from furuta.identification.shooting.unknowns import LUGRE, ParameterValues
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording, by_run
@@ -121,8 +121,8 @@ def _fits(model: Model, recordings: list[Recording]) -> Callable[[str], Paramete
     The fit of a law starts from the optimum of the law that it contains.
     """
     held_out = {r.number for r in model.recordings} - {r.number for r in recordings}
-    friction = {"viscous", *NEUTRAL, *(zero_name(number) for number in held_out)}
-    other = [name for name in model.fitted if name not in friction]
+    friction = {"viscous", *NEUTRAL, *(("zero", number) for number in held_out)}
+    other = [key for key in model.fitted if key not in friction]
 
     @cache
     def fitted(law: str) -> ParameterValues:
@@ -130,8 +130,8 @@ def _fits(model: Model, recordings: list[Recording]) -> Callable[[str], Paramete
         start = fitted(contained) if contained else model.values
         neutral = {name: value for name, value in NEUTRAL.items() if name not in unknowns}
         start = start.changed(list(neutral), list(neutral.values()))
-        names = [*other, *unknowns]
-        return fit_growing_segments(recordings, names, start, model.window, model.scale).values
+        keys = [*other, *unknowns]
+        return fit_growing_segments(recordings, keys, start, model.window, model.scale).values
 
     return fitted
 

@@ -4,10 +4,8 @@ import numpy as np
 
 from furuta.identification.model import Model, Prediction
 from furuta.identification.shooting.optimisation import FINE, Optimum, optimise
-from furuta.identification.shooting.segments import cut_into_segments
-from furuta.identification.shooting.shooting import Shooting
-from furuta.identification.shooting.unknowns import is_zero
 from furuta.identification.uncertainty.covariance import covariance_and_information
+from furuta.identification.unknowns import field_of
 
 # Ceilings that are tried first, between the largest fitted command and the largest one.
 TRIED = 9
@@ -56,18 +54,11 @@ def _fitted(model: Model, prediction: Prediction, known: float) -> Optimum:
 
 def _standard_error(model: Model, optimum: Optimum) -> float:
     """Error of the ceiling [V]: that of its fit, and that of the model that predicts."""
-    chosen = [k for k, name in enumerate(model.names) if not is_zero(name)]
-    names = ["ceiling", *(model.names[k] for k in chosen)]
-    parts = [
-        cut_into_segments(r, optimum.window, optimum.scale, optimum.values)
-        for r in optimum.recordings
-    ]
-    shooting = Shooting(parts, names, optimum.values)
-    slopes = shooting.slopes(optimum.values.vector(names))
-    own = slopes[:, 0]
-    if not own.any():
+    chosen = [k for k, key in enumerate(model.keys) if field_of(key) != "zero"]
+    information = optimum.about([model.keys[k] for k in chosen]).blocks.sum(axis=0)
+    if not information[0, 0]:
         return float("inf")
-    shift = own @ slopes[:, 1:] / float(own @ own)
+    shift = information[0, 1:] / information[0, 0]
     covariance, _ = covariance_and_information(optimum, {})
     variance = covariance[0, 0] + shift @ model.covariance[np.ix_(chosen, chosen)] @ shift
     return float(np.sqrt(variance)) * optimum.values["ceiling"]

@@ -15,8 +15,6 @@ from furuta.identification.shooting.optimisation import (
     residual_scale,
     worst_pendulum_fit,
 )
-from furuta.identification.shooting.segments import cut_into_segments
-from furuta.identification.shooting.shooting import Shooting
 from furuta.identification.shooting.unknowns import (
     BODY,
     FRICTION,
@@ -25,9 +23,7 @@ from furuta.identification.shooting.unknowns import (
     UNKNOWNS,
     ParameterValues,
     assumed_spread,
-    is_zero,
-    wave_names,
-    zero_name,
+    wave,
 )
 from furuta.identification.uncertainty.covariance import (
     covariance_and_information,
@@ -35,6 +31,7 @@ from furuta.identification.uncertainty.covariance import (
     is_linear,
 )
 from furuta.identification.uncertainty.identifiability import identifiable
+from furuta.identification.unknowns import Key, field_of
 from furuta_recordings.recording import Recording, by_run
 
 # Smallest scale of the residuals [rad, rad/s] at first, while the model is still incomplete.
@@ -67,19 +64,20 @@ def fit_swinging(
 ) -> Model:
     """Fit free runs of all recordings; each channel is weighted by its own residuals."""
     window = options.window or np.inf
-    names = [*BODY, *FRICTION, *SETUP, *wave_names(1)]
-    start = start.changed(wave_names(1), (0.0, 0.0))
+    keys: list[Key] = [*BODY, *FRICTION, *SETUP, *wave(1)]
+    start = start.changed(wave(1), (0.0, 0.0))
     level = _assumed_level(recordings)
     if level:
-        names = [name for name in names if name not in DRY]
+        keys = [key for key in keys if key not in DRY]
         start = start.changed(DRY, (level, 0.0))
     options.report("fitting each recording")
-    own_fits = _own_fits(recordings, [*names, "zero"], start, window)
+    own_fits = _own_fits(recordings, [*keys, "zero"], start, window)
     options.report("fitting all together")
     numbers = [run[0].number for run in by_run(recordings)]
-    zeros = ["zero"] if len(numbers) == 1 else [zero_name(number) for number in numbers]
+    zeros: list[Key] = [("zero", number) for number in numbers]
+    zeros = ["zero"] if len(numbers) == 1 else zeros
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
-    optimum = _common_fit(recordings, [*names, *zeros, *ceiling], own_fits, window)
+    optimum = _common_fit(recordings, [*keys, *zeros, *ceiling], own_fits, window)
     free = options.window is None
     why = NOT_FOLLOWED if free and worst_pendulum_fit(optimum) < HOPELESS_FREE_RUN_FIT else ""
     if not why:
@@ -92,12 +90,12 @@ def fit_swinging(
         return fit_swinging(recordings, start, findings, options)
     options.report("computing standard errors")
     assumed = {"coulomb": level} if level else {}
-    assumed |= {name: assumed_spread(name) for name in LUGRE if name not in optimum.names}
+    assumed |= {name: assumed_spread(name) for name in LUGRE if name not in optimum.keys}
     covariance, information = covariance_and_information(optimum, assumed, swinging=True)
     covariance = covariance + difference_covariance(optimum, own_fits, assumed)
-    names, certainty = [*optimum.names, *assumed], (covariance, information)
+    keys, certainty = [*optimum.keys, *assumed], (covariance, information)
     findings = [*findings, *_remarks(level, optimum.values.wave_orders)]
-    return Model(optimum.values, names, *certainty, window, optimum.scale, recordings, findings)
+    return Model(optimum.values, keys, *certainty, window, optimum.scale, recordings, findings)
 
 
 def _assumed_level(recordings: list[Recording]) -> float:
@@ -128,17 +126,17 @@ def _against_free_runs(optimum: Optimum) -> str:
 
 
 def _own_fits(
-    recordings: list[Recording], names: list[str], start: ParameterValues, window: float
+    recordings: list[Recording], keys: list[Key], start: ParameterValues, window: float
 ) -> list[Optimum]:
     """A fit of each recording alone, with all its excerpts."""
     scale = np.median([noise_of(recording) for recording in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
-    return [fit_growing_segments(run, names, start, window, scale) for run in by_run(recordings)]
+    return [fit_growing_segments(run, keys, start, window, scale) for run in by_run(recordings)]
 
 
 def fit_growing_segments(
     excerpts: list[Recording],
-    names: list[str],
+    keys: list[Key],
     start: ParameterValues,
     window: float,
     scale: np.ndarray,
@@ -151,13 +149,13 @@ def fit_growing_segments(
     tolerance = ROUGH if len(excerpts) > 1 else COARSE
     for length in SEGMENT_LENGTHS:
         size = min(length, window)
-        optimum = optimise(excerpts[::2], names, start, size, scale, True, tolerance)
+        optimum = optimise(excerpts[::2], keys, start, size, scale, True, tolerance)
         start, scale = optimum.values, residual_scale(optimum)
-    return optimise(excerpts, names, start, window, scale, robust=True)
+    return optimise(excerpts, keys, start, window, scale, robust=True)
 
 
 def _common_fit(
-    recordings: list[Recording], names: list[str], own_fits: list[Optimum], window: float
+    recordings: list[Recording], keys: list[Key], own_fits: list[Optimum], window: float
 ) -> Optimum:
     """A coarse fit of all recordings together, each with its own zero.
 
@@ -168,18 +166,17 @@ def _common_fit(
     scale = np.median([residual_scale(fit) for fit in own_fits], axis=0)
     if len(own_fits) > 1:
         zeros = [fit.values["zero"] for fit in own_fits]
-        zero_names = [name for name in names if is_zero(name)]
-        starts = [fit.values.changed(zero_names, zeros) for fit in own_fits]
+        of_zeros = [key for key in keys if field_of(key) == "zero"]
+        starts = [fit.values.changed(of_zeros, zeros) for fit in own_fits]
 
         def common_misfit(start: ParameterValues) -> float:
-            parts = [cut_into_segments(r, window, scale, start) for r in recordings]
-            residuals = Shooting(parts, names, start).residuals(start.vector(names))
-            return float(np.sum(np.log1p(residuals**2)))
+            states = optimise(recordings, (), start, window, scale, robust=False)
+            return float(np.sum(np.log1p(states.fit.state.residuals**2)))
 
         start = min(starts, key=common_misfit)
-        optimum = optimise(recordings, names, start, window, scale, robust=True)
+        optimum = optimise(recordings, keys, start, window, scale, robust=True)
     scale = residual_scale(optimum)
-    return optimise(recordings, names, optimum.values, window, scale, robust=True)
+    return optimise(recordings, keys, optimum.values, window, scale, robust=True)
 
 
 def _final_fit(optimum: Optimum) -> Optimum:
@@ -188,9 +185,9 @@ def _final_fit(optimum: Optimum) -> Optimum:
         orders = significant_orders(optimum)
         if not orders:
             break
-        added = [name for order in orders for name in wave_names(order)]
+        added = [key for order in orders for key in wave(order)]
         start = optimum.values.changed(added, np.zeros(len(added)))
-        optimum = optimum.refitted([*optimum.names, *added], start)
-    bristle = [name for name in LUGRE if name not in optimum.names]
-    names = [*optimum.names, *identifiable(optimum, bristle)]
-    return optimum.refitted(names, optimum.values, FINE)
+        optimum = optimum.refitted([*optimum.keys, *added], start)
+    bristle = [name for name in LUGRE if name not in optimum.keys]
+    keys = [*optimum.keys, *identifiable(optimum, bristle)]
+    return optimum.refitted(keys, optimum.values, FINE)

@@ -10,6 +10,7 @@ from scipy.linalg import block_diag
 from furuta.identification.model import Model
 from furuta.identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
 from furuta.identification.uncertainty.identifiability import undetermined
+from furuta.identification.unknowns import Key
 from furuta.pole_choice import quadratic_poles
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine
@@ -98,18 +99,25 @@ def _uncertainty(model: Model, known: tuple[str, ...]) -> Uncertainty:
 
     ``known`` are the names that a rig file can have.
     """
-    fitted = [RIG_NAMES.get(name, name) for name in model.names]
+    fitted = [_name_in_rig(key) for key in model.keys]
     chosen = [index for index, name in enumerate(fitted) if name in known]
     spreads = {
         RIG_NAMES.get(name, name): assumed_spread(name)
         for name, about in UNKNOWNS.items()
-        if name not in model.names and isfinite(about.spread)
+        if name not in model.keys and isfinite(about.spread)
     }
     friction = [name for name in spreads if name in Friction._fields]
     covariance = block_diag(
         model.covariance[np.ix_(chosen, chosen)], np.diag([spreads[n] ** 2 for n in friction])
     )
     return Uncertainty((*(fitted[index] for index in chosen), *friction), covariance)
+
+
+def _name_in_rig(key: Key) -> str:
+    """The name of an unknown in a rig file."""
+    if isinstance(key, str):
+        return RIG_NAMES.get(key, key)
+    return f"wave{key[1]}_{key[0]}"
 
 
 def write_rig(

@@ -7,12 +7,13 @@ import numpy as np
 
 from furuta.identification.model import Model, Prediction
 from furuta.identification.regression.windows import coloured_part
-from furuta.identification.shooting.unknowns import FRICTION, LUGRE, is_zero, wave_names
+from furuta.identification.shooting.unknowns import FRICTION, LUGRE, wave
 from furuta.identification.uncertainty.identifiability import (
     AT_END,
     LARGEST_RELATIVE_ERROR,
     undetermined,
 )
+from furuta.identification.unknowns import field_of, name_of
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
@@ -72,14 +73,14 @@ def standard_errors(model: Model) -> dict[str, float]:
 
 def _slopes(model: Model) -> dict[str, np.ndarray]:
     """Slopes of each of :func:`reported_values` in the unknowns."""
-    vector = model.values.vector(model.names)
+    vector = model.values.vector(model.keys)
     base = reported_values(model)
     slopes: dict[str, list[float]] = {name: [] for name in base}
     for index in range(len(vector)):
         step = 1e-6 * max(1.0, abs(vector[index]))
         changed = vector.copy()
         changed[index] += step
-        there = reported_values(model._replace(values=model.values.changed(model.names, changed)))
+        there = reported_values(model._replace(values=model.values.changed(model.keys, changed)))
         for name, value in there.items():
             slopes[name].append((value - base[name]) / step)
     return {name: np.array(row) for name, row in slopes.items()}
@@ -90,7 +91,8 @@ def withheld(model: Model) -> dict[str, str]:
     reasons = undetermined(model)
     derived = {n: row for n, row in _slopes(model).items() if n in _body_values(model.values.body)}
     reasons |= {n: why for n, row in derived.items() if (why := _derived_reason(model, n, row))}
-    zeros = [why for name, why in reasons.items() if is_zero(name)]
+    of_zeros = [name_of(key) for key in model.keys if field_of(key) == "zero"]
+    zeros = [reasons[name] for name in of_zeros if name in reasons]
     return reasons | ({"zero": zeros[0]} if zeros else {})
 
 
@@ -101,13 +103,13 @@ def _derived_reason(model: Model, name: str, slopes: np.ndarray) -> str:
     """
     size = abs(reported_values(model)[name])
     error = float(np.sqrt(max(0.0, slopes @ model.covariance @ slopes)))
-    for index, reason in enumerate(undetermined(model).get(n, "") for n in model.names):
+    for index, reason in enumerate(undetermined(model).get(name_of(key), "") for key in model.keys):
         if reason.startswith(AT_END) and abs(slopes[index]) > LARGEST_EFFECT * size:
-            return f"it depends on {model.names[index]}: {reason}"
+            return f"it depends on {name_of(model.keys[index])}: {reason}"
     if error <= LARGEST_RELATIVE_ERROR * size:
         return ""
     parts = np.abs(slopes) * np.sqrt(np.diag(model.covariance))
-    return f"its error is {error:.2g}, mostly from {model.names[int(np.argmax(parts))]}"
+    return f"its error is {error:.2g}, mostly from {name_of(model.keys[int(np.argmax(parts))])}"
 
 
 def summary(model: Model) -> dict[str, Any]:
@@ -140,13 +142,13 @@ def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None
     """Order, cosine and sine amplitude [V] of each wave of the torque, with standard errors."""
     waves = []
     for order in model.values.wave_orders:
-        wave: dict[str, float | None] = {"order": order}
-        for part, name in zip(("cos", "sin"), wave_names(order), strict=True):
-            known = name in model.names and name not in reasons
-            variance = np.diag(model.covariance)[model.names.index(name)] if known else np.nan
-            wave[part] = model.values[name] if known else None
-            wave[f"{part}_error"] = float(np.sqrt(variance)) if known else None
-        waves.append(wave)
+        row: dict[str, float | None] = {"order": order}
+        for key in wave(order):
+            part, known = field_of(key), key in model.keys and name_of(key) not in reasons
+            variance = np.diag(model.covariance)[model.keys.index(key)] if known else np.nan
+            row[part] = model.values[key] if known else None
+            row[f"{part}_error"] = float(np.sqrt(variance)) if known else None
+        waves.append(row)
     return waves
 
 
@@ -208,10 +210,10 @@ def report_lines(result: dict[str, Any]) -> Iterator[str]:
     for kind in ("fit", "held_out"):
         for recording, fits in result[kind].items():
             yield f"{kind.replace('_', '-')} {recording}: {_percentages(fits, 1)}"
-    for wave in result["waves"]:
-        if wave["cos"] is not None and wave["sin"] is not None:
-            size = np.hypot(wave["cos"], wave["sin"])
-            yield f"torque wave, {wave['order']:2d} per turn {size:11.3g} V"
+    for row in result["waves"]:
+        if row["cos"] is not None and row["sin"] is not None:
+            size = np.hypot(row["cos"], row["sin"])
+            yield f"torque wave, {row['order']:2d} per turn {size:11.3g} V"
     if "friction_laws" in result:
         yield from _law_lines(result)
     judged = result["verdict"]

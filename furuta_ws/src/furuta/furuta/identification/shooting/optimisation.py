@@ -1,97 +1,104 @@
-"""Nonlinear least squares over the unknowns, and how large the residuals are."""
+"""Fits of a pendulum, and how large their residuals are."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
+from furuta.identification.bodies.pendulum import Pendulum
+from furuta.identification.least_squares import Fit, Linearised, Problem, State, fit, linearised
 from furuta.identification.shooting.segments import cut_into_segments
-from furuta.identification.shooting.shooting import Shooting
-from furuta.identification.shooting.unknowns import ParameterValues, bounds, prior
+from furuta.identification.shooting.unknowns import ParameterValues, unknowns_of
+from furuta.identification.unknowns import Key
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
 
-MOST_EVALUATIONS = 40
 # Standard deviation of a series [rad, rad/s] below which nothing moves in it.
 SMALLEST_MOTION = 1e-6
 # Relative change of the sum of squares at which a fit ends: the last fit, and one on the way.
 FINE, COARSE = 1e-9, 1e-4
-# Distance of a start from its bounds, in standard deviations of the prior.
-INSIDE = 0.05
 # Consecutive samples that carry the information of one, where errors of the model dominate noise.
 CORRELATED_SAMPLES = 100.0
 
 
 class Optimum(NamedTuple):
-    """The result of an optimisation: ``values`` and their ``vector`` of the fitted unknowns.
+    """A fit of recordings in segments of ``window`` [s].
 
-    ``window`` [s] is the length of the segments.
+    ``scale`` (4,) is the residual of each channel that counts as one.
     """
 
-    values: ParameterValues
-    shooting: Shooting
-    vector: np.ndarray
+    problem: Problem
+    fit: Fit
     window: float
+    scale: np.ndarray
 
     @property
-    def names(self) -> list[str]:
+    def values(self) -> ParameterValues:
+        """All values."""
+        return ParameterValues(self.fit.values)
+
+    @property
+    def keys(self) -> list[Key]:
         """The fitted unknowns."""
-        return self.shooting.names
+        return list(self.fit.unknowns.keys)
+
+    @property
+    def vector(self) -> np.ndarray:
+        """Values of the fitted unknowns."""
+        return self.values.vector(self.keys)
 
     @property
     def recordings(self) -> list[Recording]:
         """The fitted recordings."""
-        return [part.recording for part in self.shooting.parts]
-
-    @property
-    def scale(self) -> np.ndarray:
-        """The residual of each channel that counts as one (4,)."""
-        return self.shooting.parts[0].scale
+        return list(self.problem.cut.data)
 
     @property
     def predictions(self) -> list[tuple[Recording, np.ndarray]]:
         """The recordings with what is predicted for them (n, 4)."""
-        return list(zip(self.recordings, self.shooting.predictions(self.vector), strict=True))
+        return list(zip(self.recordings, predicted(self.problem, self.fit.state), strict=True))
 
     def refitted(
-        self, names: list[str], start: ParameterValues, tolerance: float = COARSE
+        self, keys: Sequence[Key], start: ParameterValues, tolerance: float = COARSE
     ) -> Optimum:
         """A fit of the same recordings with other unknowns or from another start."""
         return optimise(
-            self.recordings, names, start, self.window, self.scale, True, tolerance=tolerance
+            self.recordings, keys, start, self.window, self.scale, True, tolerance=tolerance
         )
+
+    def about(self, more: Sequence[Key] = ()) -> Linearised:
+        """The problem about the fit, with more unknowns; all residuals count by their squares."""
+        values = ParameterValues({**dict.fromkeys(more, 0.0), **self.fit.values})
+        unknowns = unknowns_of([*self.keys, *more], values)
+        problem = Problem(self.problem.body, self.problem.cut, unknowns)
+        return linearised(problem, self.fit.state._replace(values=values.coordinates))
 
 
 def optimise(
-    recordings: list[Recording],
-    names: list[str],
+    recordings: Sequence[Recording],
+    keys: Sequence[Key],
     start: ParameterValues,
     window: float,
     scale: np.ndarray,
     robust: bool,
     tolerance: float = COARSE,
 ) -> Optimum:
-    """Fit the unknowns ``names``; ``robust`` limits the influence of large residuals."""
-    parts = [cut_into_segments(r, window, scale, start) for r in recordings]
-    shooting = Shooting(parts, names, start)
-    low, high = bounds(start, names)
-    mean, spread = prior(names)
-    # A start at a bound would hold the optimiser there.
-    margin = np.where(np.isfinite(spread), INSIDE * spread, 1e-9 * np.maximum(1.0, high - low))
-    best = least_squares(
-        lambda x: np.append(shooting.residuals(x), (x - mean) / spread),
-        np.clip(start.vector(names), low + margin, high - margin),
-        jac=lambda x: np.vstack((shooting.slopes(x), np.diag(1.0 / spread))),
-        bounds=(low, high),
-        x_scale="jac",
-        loss="soft_l1" if robust else "linear",
-        ftol=tolerance,
-        xtol=0.1 * tolerance,
-        max_nfev=MOST_EVALUATIONS,
-    )
-    return Optimum(start.changed(names, best.x), shooting, best.x, window)
+    """Fit some unknowns; ``robust`` limits the influence of large residuals."""
+    unknowns = unknowns_of(keys, start)
+    inside = np.clip(unknowns.vector(start.coordinates), unknowns.all("low"), unknowns.all("high"))
+    cut = cut_into_segments(recordings, window, scale, start)
+    problem = Problem(Pendulum(), cut, unknowns, robust)
+    values = unknowns.changed(start.coordinates, inside)
+    enough = tolerance * np.count_nonzero(cut.weight)
+    return Optimum(problem, fit(problem, values, enough=enough), window, scale)
+
+
+def predicted(problem: Problem, state: State) -> list[np.ndarray]:
+    """Outputs (n, 4) of each recording."""
+    cut = problem.cut
+    outputs = problem.body.outputs(state.values, state.first, cut)
+    return np.split(outputs, np.cumsum([len(recording.time) for recording in cut.data])[:-1])
 
 
 def residual_scale(optimum: Optimum) -> np.ndarray:

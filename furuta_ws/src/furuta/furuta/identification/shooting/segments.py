@@ -1,14 +1,11 @@
-"""Segments of a recording: the state at the start of each, and the algebra of these states.
+"""Cuts recordings of a pendulum into segments, each with a first estimate of its first state."""
 
-A residual vector (4n + 5s,) of a recording has the n samples of four channels, then the five
-initial states of s segments.
-"""
-
-from typing import NamedTuple
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.polynomial.polynomial import polyfit
 
+from furuta.identification.bodies.body import Segments
 from furuta.identification.regression.speeds import with_speeds
 from furuta.identification.shooting.unknowns import ParameterValues
 from furuta_model.compiled import compiled
@@ -24,38 +21,42 @@ LARGEST_REST_SPEED = 0.3
 INITIAL_SPREAD = 30.0
 # Friction [V] that the bristle may carry at the start of a segment before the friction is known.
 SMALLEST_LEVEL = 0.01
+# While the lag is fitted, speeds do not count this many lags after the start of a segment.
+SETTLING_LAGS = 2.0
 # Duration [s] and fewest samples of the parabola through the first samples.
 PARABOLA, PARABOLA_SAMPLES = 0.02, 5
 
 
-class Segments(NamedTuple):
-    """A recording with the starts (s,) of its segments and the measured state at each (s, 5).
-
-    ``spread`` (s, 5) is the standard deviation of that state; 0 if the state is not fitted.
-    ``scale`` (4,) is the residual of each channel that counts as one.
-    """
-
-    recording: Recording
-    starts: np.ndarray
-    measured: np.ndarray
-    spread: np.ndarray
-    scale: np.ndarray
-
-    @property
-    def index_of_samples(self) -> np.ndarray:
-        """The segment that each sample belongs to (n,)."""
-        return np.searchsorted(self.starts, np.arange(len(self.recording.time)), "right") - 1
-
-
 def cut_into_segments(
-    recording: Recording, window: float, noise: np.ndarray, values: ParameterValues
+    recordings: Sequence[Recording], window: float, scale: np.ndarray, values: ParameterValues
 ) -> Segments:
-    """Cut a recording every ``window`` [s]; an infinite window gives one segment, the free run.
+    """Cut recordings every ``window`` [s]; an infinite window gives one segment, the free run.
 
-    The initial state of a free run that starts at rest is the measured one. For a free run that
-    starts in motion, and for shorter segments, it is fitted, with a spread in proportion to
-    ``noise`` (4,).
+    ``scale`` (4,) is the residual of each channel that counts as one. The initial state of a free
+    run that starts at rest is the measured one. For a free run that starts in motion, and for
+    shorter segments, it is fitted, with a spread in proportion to the scale.
     """
+    parts = [_cut(recording, window, scale, values) for recording in recordings]
+    sizes = np.cumsum([0, *(len(recording.time) for recording in recordings)])
+    starts, weights, initial, spread = zip(*parts, strict=True)
+    bounds = [rows + size for rows, size in zip(starts, sizes, strict=False)]
+    measured = np.concatenate([recording.measured for recording in recordings])
+    return Segments(
+        np.concatenate([recording.time for recording in recordings]),
+        np.where(np.isfinite(measured), measured, 0.0),
+        np.concatenate(weights),
+        np.append(np.concatenate(bounds), sizes[-1]),
+        np.repeat(np.arange(len(recordings)), [len(rows) for rows in starts]),
+        np.concatenate(initial),
+        np.concatenate(spread),
+        tuple(recordings),
+    )
+
+
+def _cut(
+    recording: Recording, window: float, scale: np.ndarray, values: ParameterValues
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Starts (s,), weights (n, 4), measured states at the starts (s, 5) and their spreads."""
     time = recording.time
     count = max(1, int((time[-1] - time[0]) // window)) if np.isfinite(window) else 1
     edges = time[0] + (time[-1] - time[0]) * np.arange(count) / count
@@ -63,10 +64,15 @@ def cut_into_segments(
     initial = _initial_states(recording, starts, values)
     spread = np.zeros((count, PLANT_STATES))
     if count > 1 or np.max(np.abs(initial[0, [PHI_DOT, THETA_DOT]])) > LARGEST_REST_SPEED:
-        spread[:, :RIGID_STATES] = INITIAL_SPREAD * noise
+        spread[:, :RIGID_STATES] = INITIAL_SPREAD * scale
         level = max(values["coulomb"] + values["alpha1"], SMALLEST_LEVEL)
         spread[:, BRISTLE] = 0.5 * level / values["sigma0"]
-    return Segments(recording, starts, initial, spread, noise)
+    weight = np.where(np.isfinite(recording.measured), 1.0 / scale, 0.0)
+    if count > 1:
+        since = time - time[starts[np.searchsorted(starts, np.arange(len(time)), "right") - 1]]
+        unsettled = since < SETTLING_LAGS * values["lag"]
+        weight[unsettled, PHI_DOT] = weight[unsettled, THETA_DOT] = 0.0
+    return starts, weight, initial, spread
 
 
 def _initial_states(
@@ -100,39 +106,3 @@ def bristle_along(time: np.ndarray, v: np.ndarray, friction: Friction) -> np.nda
         end, _, _ = stretched(mean, mean, z[k], dt, level, friction)
         z[k + 1] = min(max(end, -limit), limit)
     return z
-
-
-def segment_rows(part: Segments) -> list[np.ndarray]:
-    """The rows of each segment in a residual vector."""
-    n = len(part.recording.time)
-    first = RIGID_STATES * np.append(part.starts, n)
-    own = RIGID_STATES * n + PLANT_STATES * np.arange(len(part.starts) + 1)
-    return [
-        np.append(np.arange(first[s], first[s + 1]), np.arange(own[s], own[s + 1]))
-        for s in range(len(part.starts))
-    ]
-
-
-def sums_of_squares(residuals: np.ndarray, part: Segments) -> np.ndarray:
-    """Sum of squares of each segment (s,)."""
-    outputs = RIGID_STATES * len(part.recording.time)
-    squares = residuals**2
-    sums: np.ndarray = np.add.reduceat(squares[:outputs], RIGID_STATES * part.starts)
-    return sums + squares[outputs:].reshape(len(part.starts), -1).sum(axis=1)
-
-
-def gauss_newton_steps(slopes: np.ndarray, residuals: np.ndarray, part: Segments) -> np.ndarray:
-    """Step (s, 5) of each initial state, given the slopes (4n + 5s, 5) in all of them."""
-    steps = np.zeros((len(part.starts), PLANT_STATES))
-    for step, rows in zip(steps, segment_rows(part), strict=True):
-        step[:] = np.linalg.lstsq(slopes[rows], residuals[rows], rcond=None)[0]
-    return steps
-
-
-def without_initial_states(columns: np.ndarray, slopes: np.ndarray, part: Segments) -> np.ndarray:
-    """``columns`` minus the part that a change of each segment's initial state can explain."""
-    result = columns.copy()
-    for rows in segment_rows(part):
-        basis, _ = np.linalg.qr(slopes[rows])
-        result[rows] -= basis @ (basis.T @ columns[rows])
-    return result

@@ -10,10 +10,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from furuta.identification.errors import jackknife, noise_of
+from furuta.identification.least_squares import Linearised, in_blocks, residuals
 from furuta.identification.regression.speeds import turns_one_way
 from furuta.identification.shooting.optimisation import Optimum
-from furuta.identification.shooting.shooting import Shooting
-from furuta.identification.shooting.unknowns import BODY, is_zero, prior_information
+from furuta.identification.shooting.unknowns import BODY, wave
+from furuta.identification.unknowns import field_of
 from furuta_model.state import PHI
 
 # Waves per turn that unmodelled torque may have.
@@ -41,56 +42,45 @@ def covariance_and_information(
     - for a ``swinging`` pendulum, the effect of a torque that varies with the arm's angle;
     - the effect of an error of the assumed values.
     """
-    shooting, vector = optimum.shooting, optimum.vector
-    slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
-    information = slopes.T @ slopes
-    of_prior = prior_information(shooting.names)
-    inverse = np.linalg.pinv(information + of_prior)
-    gain = inverse @ slopes.T
-    covariance = inverse @ of_prior @ inverse
-    covariance += block_covariance(shooting, slopes, residuals, information + of_prior)
+    size, more = len(optimum.keys), len(assumed)
+    about = optimum.about()
+    inverse = np.linalg.pinv(about.information)
+    covariance = (inverse * about.prior) @ inverse + block_covariance(optimum, about)
     if swinging:
-        covariance += _wave_covariance(shooting, vector, residuals, gain)
-    size, more = len(vector), len(assumed)
-    covariance, information = np.pad(covariance, (0, more)), np.pad(information, (0, more))
-    for index, (name, spread) in enumerate(assumed.items(), start=size):
+        covariance += _wave_covariance(optimum, inverse)
+    wider = optimum.about(list(assumed)).blocks.sum(axis=0)
+    covariance = np.pad(covariance, (0, more))
+    information = np.pad(wider[:size, :size], (0, more))
+    for index, spread in enumerate(assumed.values(), start=size):
         shift = np.zeros(size + more)
-        shift[:size] = -gain @ _slope_in(shooting, vector, name, spread) * spread
+        shift[:size] = -inverse @ wider[:size, index] * spread
         shift[index] = spread
         covariance += np.outer(shift, shift)
     return covariance, information
 
 
-def _wave_covariance(
-    shooting: Shooting, vector: np.ndarray, residuals: np.ndarray, gain: np.ndarray
-) -> np.ndarray:
+def _wave_covariance(optimum: Optimum, inverse: np.ndarray) -> np.ndarray:
     """The effect of waves of the torque at their expected size; 0 if noise explains everything.
 
     Waves that are part of the model do not count. The others together are at least as large as the
-    residuals beyond the sensors' noise.
+    residuals beyond the sensors' noise. ``inverse`` is that of the information of the unknowns.
     """
-    excess = float(residuals @ residuals) - sum(
-        len(part.recording.time) * float(np.sum((noise_of(part.recording) / part.scale) ** 2))
-        for part in shooting.parts
+    squares, recordings = float(np.sum(optimum.fit.state.residuals**2)), optimum.recordings
+    excess = squares - sum(
+        len(recording.time) * float(np.sum((noise_of(recording) / optimum.scale) ** 2))
+        for recording in recordings
     )
-    turns = max(np.ptp(part.recording.measured[:, PHI]) for part in shooting.parts)
+    turns = max(np.ptp(recording.measured[:, PHI]) for recording in recordings)
     if excess <= 0.0 or turns == 0.0:
-        return np.zeros((len(vector), len(vector)))
-    fitted = shooting.values.changed(shooting.names, vector).wave_orders
-    waves = shooting.slopes_in_waves(vector, [order for order in ORDERS if order not in fitted])
-    largest = max(part.recording.largest_command for part in shooting.parts)
-    usual = USUAL_PART * largest / np.sqrt(waves.shape[1] / 2)
-    size = max(usual, np.sqrt(excess / float(np.sum(waves**2))))
-    shifts: np.ndarray = size * (gain @ waves)
+        return np.zeros_like(inverse)
+    orders = [order for order in ORDERS if order not in optimum.values.wave_orders]
+    size, keys = len(optimum.keys), [key for order in orders for key in wave(order)]
+    information = optimum.about(keys).blocks.sum(axis=0)
+    largest = max(recording.largest_command for recording in recordings)
+    usual = USUAL_PART * largest / np.sqrt(len(orders))
+    effect = max(usual, np.sqrt(excess / float(np.trace(information[size:, size:]))))
+    shifts: np.ndarray = effect * (inverse @ information[:size, size:])
     return shifts @ shifts.T
-
-
-def _slope_in(shooting: Shooting, vector: np.ndarray, name: str, spread: float) -> np.ndarray:
-    """∂residuals/∂(assumed value)."""
-    step = 0.01 * spread
-    values = shooting.values.changed([name], [shooting.values.coordinates[name] + step])
-    changed = Shooting(shooting.parts, shooting.names, values)
-    return (changed.residuals(vector) - shooting.residuals(vector)) / step
 
 
 def difference_covariance(
@@ -101,48 +91,31 @@ def difference_covariance(
     What exceeds a recording's own errors is a difference between recordings that the model does
     not describe: random effects as in DerSimonian and Laird (1986).
     """
-    names = [*common.shooting.names, *assumed]
-    covariance = np.zeros((len(names), len(names)))
+    keys = [*common.keys, *assumed]
+    covariance = np.zeros((len(keys), len(keys)))
     if len(own_fits) == 1:
         return covariance
     for fit in own_fits:
-        one_way = all(turns_one_way(part.recording) for part in fit.shooting.parts)
+        one_way = all(turns_one_way(recording) for recording in fit.recordings)
         own, _ = covariance_and_information(fit, assumed, swinging=True)
-        excess = np.zeros(len(names))
-        for k, (name, value) in enumerate(zip(fit.names, fit.vector, strict=True)):
-            if is_zero(name) or (one_way and name in ("coulomb", "asymmetry")):
+        excess = np.zeros(len(keys))
+        for k, (key, value) in enumerate(zip(fit.keys, fit.vector, strict=True)):
+            if field_of(key) == "zero" or (one_way and key in ("coulomb", "asymmetry")):
                 continue
-            difference = value - common.values.coordinates[name]
+            difference = value - common.values.coordinates[key]
             size = np.sqrt(max(0.0, difference**2 - own[k, k]))
-            excess[names.index(name)] = np.sign(difference) * size
+            excess[keys.index(key)] = np.sign(difference) * size
         covariance += np.outer(excess, excess) / len(own_fits)
     return covariance
 
 
-def block_covariance(
-    shooting: Shooting, slopes: np.ndarray, residuals: np.ndarray, information: np.ndarray
-) -> np.ndarray:
+def block_covariance(optimum: Optimum, about: Linearised) -> np.ndarray:
     """Covariance of the parameters by leaving out one block of time after the other."""
-    rows = blocks_of(shooting)
-    blocks = np.array([slopes[block].T @ slopes[block] for block in rows])
-    scores = np.array([slopes[block].T @ residuals[block] for block in rows])
+    blocks = in_blocks(about, optimum.problem.cut, optimum.fit.state, BLOCK)
     # Student's factor: two standard errors shall cover 95 % even with few blocks.
-    factor = float(stdtrit(max(len(rows) - 1, 1), 0.975) / stdtrit(np.inf, 0.975))
-    return factor**2 * jackknife(information, blocks, scores)
-
-
-def blocks_of(shooting: Shooting) -> list[slice]:
-    """The rows of each block in the residuals of all recordings."""
-    blocks, first = [], 0
-    for part in shooting.parts:
-        time = part.recording.time
-        edges = np.searchsorted(time, np.arange(time[0], time[-1], BLOCK))
-        blocks += [
-            slice(first + 4 * start, first + 4 * end)
-            for start, end in itertools.pairwise([*edges, len(time)])
-        ]
-        first += 4 * len(time) + part.measured.size
-    return blocks
+    free = max(len(blocks.scores) - 1, 1)
+    factor = float(stdtrit(free, 0.975) / stdtrit(np.inf, 0.975))
+    return factor**2 * jackknife(about.information, blocks.blocks, blocks.scores)
 
 
 def is_linear(optimum: Optimum) -> bool:
@@ -151,15 +124,17 @@ def is_linear(optimum: Optimum) -> bool:
     Those of a pendulum that turns over the top, or nearly, in a free run do not: their sum of
     squares has many minima, and each of them looks certain.
     """
-    shooting, vector = optimum.shooting, optimum.vector
-    slopes, residuals = shooting.slopes(vector), shooting.residuals(vector)
-    information = slopes.T @ slopes + prior_information(shooting.names)
-    covariance = block_covariance(shooting, slopes, residuals, information)
+    about, problem, state = optimum.about(), optimum.problem, optimum.fit.state
+    covariance = block_covariance(optimum, about)
     for name in BODY:
-        index = shooting.names.index(name)
+        index = optimum.keys.index(name)
         step = LINEAR_PART * covariance[:, index] / np.sqrt(covariance[index, index])
-        predicted = slopes @ step
-        error = shooting.residuals(vector + step) - residuals - predicted
+        values = problem.unknowns.changed(state.values, optimum.vector + step)
+        first = state.first - np.einsum("skp,p->sk", about.back, step) * problem.cut.spread
+        predicted = about.columns @ step
+        for s, (start, end) in enumerate(itertools.pairwise(problem.cut.bounds)):
+            predicted[start:end] -= about.states[start:end] @ (about.back[s] @ step)
+        error = residuals(problem, values, first) - state.residuals + predicted
         if np.linalg.norm(error) > LARGEST_ERROR * np.linalg.norm(predicted):
             return False
     return True

@@ -5,14 +5,13 @@ import numpy as np
 from furuta.identification.model import Model
 from furuta.identification.regression.speeds import turns_one_way, with_speeds
 from furuta.identification.shooting.optimisation import Optimum
-from furuta.identification.shooting.shooting import Shooting
 from furuta.identification.shooting.unknowns import (
     LOGARITHMIC,
     LUGRE,
-    prior,
-    prior_information,
-    unknown,
+    range_of,
+    unknowns_of,
 )
+from furuta.identification.unknowns import Key, name_of
 from furuta_model.state import PHI_DOT
 
 # Largest standard error, as a part of the prior's standard deviation, of an unknown that is added
@@ -43,12 +42,10 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
     The least certain one is assumed, and the rest is judged again: of two whose effects are alike,
     one may be determined once the other is given.
     """
-    both = [*optimum.shooting.names, *names]
-    wider = Shooting(optimum.shooting.parts, both, optimum.values)
-    slopes = wider.slopes(optimum.values.vector(both))
-    _, spread = prior(both)
-    information = slopes.T @ slopes + prior_information(both)
-    own, kept = len(optimum.shooting.names), list(range(len(both)))
+    both = [*optimum.keys, *names]
+    spread = unknowns_of(both, optimum.values).all("spread")
+    information = optimum.about(names).information
+    own, kept = len(optimum.keys), list(range(len(both)))
     while len(kept) > own:
         variances = np.diag(np.linalg.pinv(information[np.ix_(kept, kept)]))
         parts = np.sqrt(np.maximum(variances, 0.0)) / spread[kept]
@@ -56,13 +53,13 @@ def identifiable(optimum: Optimum, names: list[str]) -> list[str]:
         if parts[worst] < LARGEST_PART_TO_FIT:
             break
         del kept[worst]
-    return [both[index] for index in kept[own:]]
+    return [names[index - own] for index in kept[own:]]
 
 
 def undetermined(model: Model) -> dict[str, str]:
     """Unknowns that the data do not determine, each with the reason."""
-    reasons = {name: _reason(model, index) for index, name in enumerate(model.names)}
-    missing = {n: REASONS[n] for n in (*LUGRE, "asymmetry") if n not in model.names}
+    reasons = {name_of(key): _reason(model, index) for index, key in enumerate(model.keys)}
+    missing = {n: REASONS[n] for n in (*LUGRE, "asymmetry") if n not in model.keys}
     if model.values["delay"] + model.command_delay < 0.0:
         reasons["delay"] = LOGGED_LATE
     return {name: reason for name, reason in (reasons | missing).items() if reason}
@@ -70,28 +67,28 @@ def undetermined(model: Model) -> dict[str, str]:
 
 def _reason(model: Model, index: int) -> str:
     """Why the data do not determine a fitted or assumed unknown; empty if they do."""
-    name = model.names[index]
+    key = model.keys[index]
     if model.information[index, index] == 0.0:
         one_way = all(turns_one_way(recording) for recording in model.recordings)
-        return REASONS.get(name, ASSUMED if one_way else NO_EFFECT)
-    about, value = unknown(name), model.values.coordinates[name]
+        return REASONS.get(name_of(key), ASSUMED if one_way else NO_EFFECT)
+    about, value = range_of(key), model.values.coordinates[key]
     margin = END * (about.high - about.low)
     # A lower end of 0 is where nature ends too.
     if value > about.high - margin or (about.low != 0.0 and value < about.low + margin):
-        return f"{AT_END} {model.values[name]:.3g}, the end of the allowed range"
+        return f"{AT_END} {model.values[key]:.3g}, the end of the allowed range"
     error, spread = float(np.sqrt(model.covariance[index, index])), about.spread
     like_the_prior = np.isfinite(spread) and error > LARGEST_PART_TO_REPORT * spread
-    usual = 1.0 if name in LOGARITHMIC else max(_usual_size(model, name), abs(value))
+    usual = 1.0 if key in LOGARITHMIC else max(_usual_size(model, key), abs(value))
     if like_the_prior or error > LARGEST_RELATIVE_ERROR * usual:
-        return REASONS.get(name, NOT_SEPARABLE)
+        return REASONS.get(name_of(key), NOT_SEPARABLE)
     return ""
 
 
-def _usual_size(model: Model, name: str) -> float:
+def _usual_size(model: Model, key: Key) -> float:
     """Viscous friction [V s/rad] that shapes the motion; infinite for what has a prior."""
-    if name == "viscous":
+    if key == "viscous":
         speeds = [with_speeds(r, 0.0).measured[:, PHI_DOT] for r in model.recordings]
         commands = [r.largest_command for r in model.recordings]
         return max(u / np.max(np.abs(v)) for u, v in zip(commands, speeds, strict=True))
     body = model.values.body
-    return 2.0 * float(np.sqrt(body.beta * body.delta)) if name == "pendulum_viscous" else np.inf
+    return 2.0 * float(np.sqrt(body.beta * body.delta)) if key == "pendulum_viscous" else np.inf

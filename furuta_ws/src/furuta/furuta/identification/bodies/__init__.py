@@ -1,0 +1,1 @@
+"""Bodies that are identified: how each moves, and what is unknown of it."""
