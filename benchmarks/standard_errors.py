@@ -30,7 +30,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.identification.axis.identify import identify_axis
+from furuta.identification.axis.identify import GRAVITY_TRAVEL, identify_axis
 from furuta.identification.identify import identify
 from furuta.identification.options import Options
 from furuta.identification.regression.equations import has_one_level
@@ -107,9 +107,16 @@ def axis(seed: int) -> Judged:
 
 
 def drive(seed: int) -> Judged:
-    """An axis under a controller, which also counts in the group of its motion."""
+    """An axis under a controller, which also counts in the group of its motion.
+
+    One whose travel does not tell gravity from a spring, or a wave from either, does not count.
+    """
     sample, motion, recording = driven_axis(seed)
     judged = _judged_axis(sample, recording)
+    travel = float(np.ptp(recording.measured[:, 0]))
+    gravity = travel < GRAVITY_TRAVEL and (sample.gravity_sin or sample.gravity_cos)
+    if gravity or (sample.wave and sample.order * travel < 2.0 * np.pi):
+        return judged._replace(groups=())
     return judged._replace(groups=(*judged.groups, *(motion for _ in judged.groups[:1])))
 
 

@@ -27,6 +27,8 @@ FINE, COARSE = 0.05, 2.0
 KEPT_PROMISE = 0.5
 # Where a motion that leaves all bounds is held, in residuals that count as one.
 FAR = 1e9
+# Largest slope, in what counts as one per size: products of steeper ones would hide the priors.
+STEEP = 1e6
 # Largest change of a first state in an iteration, in its standard deviations.
 LARGEST = 2.0
 # Most searches of first speeds, and relative gain from which the fit goes on after one.
@@ -115,8 +117,14 @@ class Fit(NamedTuple):
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance (p, p) of the unknowns in their sizes, by segments."""
-        return covariance(self.about)
+        """Covariance (p, p) of the unknowns in their sizes, by segments.
+
+        No variance is smaller than that of white noise: few segments may inform of an unknown.
+        """
+        own = covariance(self.about)
+        white = np.diag(np.linalg.pinv(self.about.information, hermitian=True)) * self.rms**2
+        wider = np.sqrt(np.maximum(white / np.maximum(np.diag(own), 1e-300), 1.0))
+        return np.asarray(own * np.outer(wider, wider))
 
     def inflation(self, sure: Sequence[Key]) -> float:
         """Variance by segments over that of white noise, at least that of white residuals.
@@ -226,14 +234,25 @@ def in_blocks(about: Linearised, cut: Segments, state: State, length: float) -> 
 
 def _bounded(slopes: np.ndarray) -> np.ndarray:
     np.nan_to_num(slopes, copy=False)
-    return np.clip(slopes, -FAR, FAR, out=slopes)
+    return np.clip(slopes, -STEEP, STEEP, out=slopes)
 
 
 def fit(
     problem: Problem, values: Values, first: np.ndarray | None = None, enough: float = FINE
 ) -> Fit:
-    """Minimise the cost from a start; first states are free about the measured ones."""
-    state = evaluated(problem, values, problem.cut.first if first is None else first)
+    """Minimise the cost from a start; first states are free about the measured ones.
+
+    If none are given, they are solved for first: wrong ones would drive the unknowns away.
+    """
+    if first is None:
+        only = problem._replace(unknowns=Unknowns(()))
+        first = _descended(only, evaluated(only, values, problem.cut.first), COARSE).first
+    state = _minimum(problem, evaluated(problem, values, first), enough)
+    return Fit(problem.unknowns, state, linearised(problem, state))
+
+
+def _minimum(problem: Problem, state: State, enough: float) -> State:
+    """Descents from a state, with searches of the first speeds between them."""
     for _ in range(SEARCHES):
         state = before = _descended(problem, state, enough)
         if problem.body.speed is None:
@@ -241,7 +260,7 @@ def fit(
         state = evaluated(problem, before.values, _searched(problem, before, problem.body.speed))
         if before.cost - state.cost < max(RESTART * state.cost, enough):
             break
-    return Fit(problem.unknowns, state, linearised(problem, state))
+    return state
 
 
 def _descended(problem: Problem, state: State, enough: float) -> State:
@@ -304,7 +323,8 @@ def _step(problem: Problem, state: State, about: Linearised, damping: float) -> 
     low, high = ((bound - vector) / size for bound in problem.unknowns.bounds(vector))
     weighted = about.information + damping * np.diag(np.diag(about.information))
     # Unknowns have any unit: an unscaled matrix would lose those that act little.
-    scale = 1.0 / np.sqrt(np.maximum(np.diag(weighted), np.finfo(float).tiny))
+    diagonal = np.diag(weighted)
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     step, free = np.zeros(len(size)), np.ones(len(size), dtype=bool)
     for _ in range(len(size)):
         rest = about.gradient[free] - weighted[np.ix_(free, ~free)] @ step[~free]

@@ -37,7 +37,7 @@ from furuta_recordings.recording import Recording
 SHORTEST, LONGEST, SMALL = 0.2, 1.0, 0.05
 # Length [s] of a block of the jackknife, fewest blocks for each unknown, more than a recording has;
 # bumps begin by this part of their length apart.
-BLOCK, FEWEST_BLOCKS, MANY, APART = 1.0, 2.0, 10**9, 0.25
+BLOCK, FEWEST_BLOCKS, MANY, APART = 0.5, 2.0, 10**9, 0.25
 # Largest probability by chance of an effect: errors of the torque that repeat with the motion look
 # like one.
 BY_CHANCE = 1e-3
@@ -70,7 +70,7 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     """
     keys = [key for key in about.unknowns.keys if key not in TESTED]
     rows = _rows(recordings, scales)
-    if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(about.unknowns):
+    if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
     singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
     groups: list[Group] = [

@@ -36,7 +36,7 @@ EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
 STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
 # speed in the Coulomb level, and of any other effect in the usual torque.
-ASYMMETRY, DRAG, EFFECT = 0.2, 0.1, 30.0
+ASYMMETRY, DRAG, EFFECT = 0.2, 1.0, 30.0
 FALL = ("alpha1", "stribeck_velocity")
 # Factors about a fall that is known; searches for a fall, and the probability by chance above which
 # a wave is not tried again.
@@ -56,6 +56,8 @@ SURE = ("inertia", "alpha0", "viscous")
 # Values that are never negative, and largest factor of a positive one in an iteration.
 LOWEST = {"delay": 0.0, "alpha0": 0.0, "alpha1": 0.0}
 POSITIVE, FACTOR = ("inertia", "stribeck_velocity"), 2.5
+# Effects over the speed that may stand for a fall that has not been looked for yet.
+LIKE_A_FALL = ("drag", "viscous_difference")
 ALWAYS = ("inertia", "alpha0", "viscous", "delay", "spring", "asymmetry")
 GRAVITY = ("gravity_sin", "gravity_cos")
 
@@ -135,6 +137,11 @@ def _with_effects(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Fit:
             groups, hopeless = hopeless, []
             continue
         chosen = groups[int(np.argmax(np.where(significant, gains, -1.0)))]
+        if chosen[0] in LIKE_A_FALL and not best.values["alpha1"]:
+            fall, other = _falling(cut, best, scales), _extended(cut, best, chosen, scales)
+            if fall and fall.cost < other.cost:
+                best = fall
+                continue
         # A wave that is far from significant now is tried again only when nothing else is left.
         kept = (chances < HOPELESS) | [len(group) == 1 for group in groups]
         hopeless += [g for g, k in zip(groups, kept, strict=True) if g != chosen and not k]
@@ -173,6 +180,29 @@ def _exchanged(cut: Segments, best: Fit, dropped: Sequence[Key], scales: Scales)
     _, gains = _tested(cut, without, others, scales)
     other = others[int(np.argmax(gains))]
     return best if other == tuple(dropped) else _extended(cut, without, other, scales)
+
+
+def alike(cut: Segments, best: Fit, scales: Scales) -> dict[Key, str]:
+    """Amplitudes of waves in whose place a wave of another order explains as much, with a reason.
+
+    Over a short travel neighbouring orders look alike.
+    """
+    found: dict[Key, str] = {}
+    for own in waves_of(best):
+        keys, values = _without(best, own)
+        problem = problem_of(cut, keys, scales, values)
+        state = evaluated(problem, values, best.state.first)
+        without = best._replace(unknowns=problem.unknowns, state=state)
+        groups = [group for group in wave_groups(scales) if group == own or group[0] not in keys]
+        _, gains = _tested(cut, without, groups, scales)
+        least = gains[groups.index(own)] - HIDDEN * best.inflation(SURE)
+        others = [
+            g[0][1] for g, gain in zip(groups, gains, strict=True) if g != own and gain > least
+        ]
+        if others:
+            reason = f"a wave of order {' or '.join(map(str, others))} would explain as much"
+            found |= dict.fromkeys(own, reason)
+    return found
 
 
 def _without_gravity(cut: Segments, best: Fit, wave: Sequence[Key], scales: Scales) -> Fit:

@@ -15,6 +15,7 @@ from furuta.identification.axis.effects import (
     GRAVITY,
     Group,
     Scales,
+    alike,
     covariance_with_missed,
     fitted,
     largest_hidden_fall,
@@ -37,6 +38,8 @@ from furuta_recordings.recording import Recording, findings_of
 # Fewest counts of the sensor over which the axis must move; travel [rad] from which gravity differs
 # from a spring.
 COUNTS, GRAVITY_TRAVEL = 8.0, 0.7
+# Residuals in the noise of the position from which a fit is started from the torques as well.
+POOR = 3.0
 # Size of the residuals in the noise of the position that a fit has which explains the recording;
 # how often the errors of the model take the place of that noise otherwise.
 EXPLAINED, REWEIGHTED = 1.3, 2
@@ -115,17 +118,21 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     ready = [_prepared(recording) for recording in given]
     cut = segmented(ready)
     base, scales = _first_fit(ready, cut)
+    torques = balanced(ready, base, scales) if base.rms > POOR else None
+    if torques is not None:
+        base = _from_torques(cut, base, torques.fit, scales)
     sensor = _noise(cut)
     part = base.rms * sensor / _forced_motion(cut)
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
         # Errors of the model are the noise then: they also make the first states uncertain.
         cut = cut.with_noise(base.rms)
         base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
-    if part <= UNEXPLAINED:
+    best = base
+    if part <= UNEXPLAINED or torques is None or torques.part <= UNEXPLAINED:
         best = supported(cut, base, scales, drift=len(ready) == 1)
-        if best.rms * _noise(cut) <= USELESS * _forced_motion(cut):
-            return _result(ready, cut, best, scales, sensor)
-    torques = balanced(ready, base, scales)
+    part = best.rms * _noise(cut) / _forced_motion(cut)
+    if part <= USELESS:
+        return _result(ready, cut, best, scales, sensor)
     if torques is not None and torques.part <= USELESS and torques.fit.values["inertia"] > 0.0:
         return _result(ready, cut, base, scales, sensor, torques)
     if part > UNEXPLAINED:
@@ -134,6 +141,20 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
             "and clock of the torque"
         )
     return _result(ready, cut, best, scales, sensor)
+
+
+def _from_torques(cut: Segments, base: Fit, torques: Fit, scales: Scales) -> Fit:
+    """A fit from the values that balance the torques, if it explains the motion better.
+
+    They are found without a start, and with the effects that the torques show.
+    """
+    if torques.values["inertia"] <= 0.0:
+        return base
+    keys = dict.fromkeys((*base.unknowns.keys, *torques.unknowns.keys))
+    values = {**torques.values, "delay": base.values["delay"]}
+    values["alpha0"] = max(values["alpha0"], 0.0)
+    other = fitted(cut, keys, scales, values, enough=COARSE)
+    return min(base, other, key=lambda each: each.cost)
 
 
 def _prepared(recording: Recording) -> Recording:
@@ -187,9 +208,14 @@ def _result(
     hidden = largest_hidden_fall(cut, best, scales)
     if torques is not None:
         best, covered, part = torques
-    elif left >= EXPLAINED * sensor:
+    else:
         covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
     values, errors, undetermined = _reported(best, covered)
+    if torques is None:
+        for key, reason in alike(cut, best, scales).items():
+            if values.pop(name_of(key), None) is not None:
+                del errors[name_of(key)]
+                undetermined[name_of(key)] = reason
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
         value, error = best.values["alpha1"], stiction_error(cut, best)
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
