@@ -22,7 +22,7 @@ AT_ONCE = 1e-9
 class TrueAxis(NamedTuple):
     """Parameters by the names of the fit; of one wave the order, size and phase; faults.
 
-    ``torque_friction`` is friction that grows with the size of the torque, ``drag`` with v².
+    ``load_friction`` is friction per size of the torque, ``drag`` with v².
     """
 
     inertia: float
@@ -40,7 +40,7 @@ class TrueAxis(NamedTuple):
     order: float = 1.0
     wave: float = 0.0
     phase: float = 0.0
-    torque_friction: float = 0.0
+    load_friction: float = 0.0
     drag: float = 0.0
     drift: float = 0.0
 
@@ -64,7 +64,7 @@ def advanced(
     net -= a.gravity_sin * np.sin(q) + a.gravity_cos * np.cos(q) + a.drift * time
     side = np.sign(v) if v != 0.0 else np.sign(net)
     level = a.alpha0 + a.alpha1 * np.exp(-((v / a.stribeck_velocity) ** 2))
-    level += a.torque_friction * abs(torque) + a.drag * v * v
+    level += a.load_friction * abs(torque) + a.drag * v * v
     free = v + h / a.inertia * (net - a.viscous * v - a.viscous_difference * abs(v))
     left = max(abs(free) - h / a.inertia * (1.0 + side * a.asymmetry) * level, 0.0)
     after = 0.0 if v * free < 0.0 else np.sign(free) * left

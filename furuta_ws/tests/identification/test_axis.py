@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from driven_axes import driven_axis
 from sources import RECORDINGS
 from true_axes import TrueAxis, multisine, recorded
 
 from furuta.axis.draws import drawn_axes
+from furuta.identification.axis import effects
 from furuta.identification.axis.identify import AxisFit, identify_axis
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import read_axis
@@ -94,11 +96,37 @@ def test_hunting_axis() -> None:
     assert fit.values["alpha1"] > 5.0 * fit.standard_errors["alpha1"]
 
 
+def test_friction_of_a_gear_under_load() -> None:
+    """Friction in proportion to the torque of the drive is told from all other friction."""
+    axis = PLAIN._replace(load_friction=0.1)
+    fit = identify_axis(sampled(axis, size=2.0))
+    assert_near(fit, axis)
+    assert fit.values["load_friction"] > 5.0 * fit.standard_errors["load_friction"]
+
+
 def test_what_the_model_does_not_have_is_doubtful() -> None:
-    """Friction that grows with the load is no part of the model."""
-    fit = identify_axis(sampled(PLAIN._replace(torque_friction=0.3), size=2.0))
+    """Waves finer than those that are tried are no part of the model."""
+    fit = identify_axis(sampled(PLAIN._replace(order=60.0, wave=0.1), size=2.0))
     assert fit.usable != "yes"
     assert any("something acts" in reason for reason in fit.reasons)
+
+
+def test_a_search_goes_on_after_the_last_wave(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An axis that has all the waves it may have can still have drag and drift."""
+    monkeypatch.setattr(effects, "MOST_WAVES", 1)
+    axis = PLAIN._replace(order=7.0, wave=0.03, drag=0.002, drift=0.004)
+    fit = identify_axis(sampled(axis, size=2.0))
+    assert fit.usable == "yes"
+    assert {"cos 7", "drag", "drift"} <= set(fit.values)
+
+
+def test_point_to_point_moves_are_explained() -> None:
+    """Short moves under a PID, by a drive whose torque also ripples: none is refused."""
+    for seed in (93, 130, 148):
+        sample, _, recording = driven_axis(seed)
+        fit, true = identify_axis(recording), sample.values()
+        off = (fit.values["inertia"] - true["inertia"]) / fit.standard_errors["inertia"]
+        assert abs(off) < 3.0
 
 
 def test_how_friction_falls_is_open_if_the_model_leaves_more_than_noise() -> None:

@@ -35,8 +35,8 @@ ORDERS, TURNS = range(2, 49), 1.0
 EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
 STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
-# speed in the Coulomb level, and of any other effect in the usual torque.
-ASYMMETRY, DRAG, EFFECT = 0.2, 1.0, 30.0
+# speed in the Coulomb level, of friction per torque, and of any other effect in the usual torque.
+ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 1.0, 0.3, 30.0
 FALL = ("alpha1", "stribeck_velocity")
 # Factors about a fall that is known; searches for a fall, and the probability by chance above which
 # a wave is not tried again.
@@ -54,8 +54,11 @@ HIDDEN = 4.0
 # Unknowns of which every segment with motion informs.
 SURE = ("inertia", "alpha0", "viscous")
 # Values that are never negative, and largest factor of a positive one in an iteration.
-LOWEST = {"delay": 0.0, "alpha0": 0.0, "alpha1": 0.0}
+LOWEST = {"delay": 0.0, "alpha0": 0.0, "alpha1": 0.0, "load_friction": 0.0}
 POSITIVE, FACTOR = ("inertia", "stribeck_velocity"), 2.5
+# Friction in proportion to the torque of the drive. Where it is not found, it is taken to be
+# absent: moves at one torque do not tell it from the Coulomb level.
+LOADED = "load_friction"
 # Effects over the speed that may stand for a fall that has not been looked for yet.
 LIKE_A_FALL = ("drag", "viscous_difference")
 ALWAYS = ("inertia", "alpha0", "viscous", "delay", "spring", "asymmetry")
@@ -85,6 +88,7 @@ class Scales:
             "viscous_difference": (self.level / self.speed, effect / self.speed),
             "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
+            "load_friction": (0.05, LOAD),
         }.get(field, (self.level, effect))
         factor = FACTOR if field in POSITIVE else np.inf
         return Unknown(key, LOWEST.get(field, -np.inf), spread=spread, size=size, factor=factor)
@@ -123,7 +127,8 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
 
 def _with_effects(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Fit:
     """The fit with all effects that act linearly and that the segments support."""
-    groups: list[Group] = [(name,) for name in smooth_effects(drift)] + wave_groups(scales)
+    groups: list[Group] = [(name,) for name in (*smooth_effects(drift), LOADED)]
+    groups += wave_groups(scales)
     groups = [group for group in groups if group[0] not in best.unknowns.keys]
     hopeless: list[Group] = []
     while True:
@@ -222,7 +227,7 @@ def _allowed(group: Sequence[Key]) -> float:
 
 def _reduced(cut: Segments, best: Fit, scales: Scales) -> Fit:
     """The fit without the effects that are not significant after all."""
-    for group in (*((name,) for name in smooth_effects(True)), *waves_of(best)):
+    for group in (*((name,) for name in (*smooth_effects(True), LOADED)), *waves_of(best)):
         if group[0] in best.unknowns.keys and chance_of(best, group) > _allowed(group):
             keys, values = _without(best, group)
             best = fitted(cut, keys, scales, values, best.state.first)

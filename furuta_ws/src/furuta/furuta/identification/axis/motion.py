@@ -1,11 +1,13 @@
 r"""How an axis moves whose friction truly sticks, under a torque that is held between commands.
 
 .. math::
-    J\dot v = τ(t - d) - (B ± D)v - (1 ± a)\,(F_C + F_S e^{-(v/v_s)^2} + Cv^2)\,\mathrm{sgn}\,v
+    J\dot v = τ(t - d) - (B ± D)v
+              - (1 ± a)\,(F_C + F_S e^{-(v/v_s)^2} + Cv^2 + L|τ|)\,\mathrm{sgn}\,v
               - f_0 - f_1 t - g_s\sin q - g_c\cos q - kq - \sum(c_n\cos nq + s_n\sin nq)
 
-± is the sign of v. Between two commands and within a step the loads on the right are constant, so a
-slide and its end are exact: what a step leaves out is how they change within it.
+± is the sign of v. L is friction per torque of the drive, as of a gear under load. Between two
+commands and within a step the loads on the right are constant, so a slide and its end are exact:
+what a step leaves out is how they change within it.
 """
 
 from math import exp, log
@@ -39,6 +41,7 @@ class AxisModel(NamedTuple):
     viscous_difference: float
     drag: float
     drift: float
+    load_friction: float
     offsets: np.ndarray
     waves: np.ndarray
 
@@ -85,9 +88,9 @@ def _time_to_rest(v: float, pull: float, damping: float) -> float:
 
 
 @inlined
-def level(speed: float, m: AxisModel) -> float:
-    """Level of friction at a speed, without its direction."""
-    lasting = m.alpha0 + m.drag * speed * speed
+def level(speed: float, torque: float, m: AxisModel) -> float:
+    """Level of friction at a speed under a torque of the drive, without its direction."""
+    lasting = m.alpha0 + m.drag * speed * speed + m.load_friction * abs(torque)
     if m.alpha1 == 0.0:
         return lasting
     ratio = speed / m.stribeck_velocity
@@ -110,7 +113,7 @@ class Slide(NamedTuple):
     """What the axis does next: stick, slide for a ``time`` [s], or slide until it ``stops``.
 
     ``after`` and ``travel`` are speed at its end and way. It slides to one side (``sign``) with
-    v' = ``pull`` - ``damping`` v; load and level are those at ``position`` and ``speed``.
+    v' = ``pull`` - ``damping`` v; load and level are those at ``position``, ``speed`` and ``torque``.
     """
 
     sticks: bool
@@ -123,21 +126,24 @@ class Slide(NamedTuple):
     damping: float
     position: float
     speed: float
+    torque: float
 
 
 @inlined
-def next_slide(q: float, v: float, torque: float, time: float, left: float, m: AxisModel) -> Slide:
-    """The next slide, for ``left`` [s] at most."""
+def next_slide(
+    q: float, v: float, torque: float, offset: float, time: float, left: float, m: AxisModel
+) -> Slide:
+    """The next slide, for ``left`` [s] at most, under a torque of the drive and an offset."""
     position = q + 0.5 * left * v
-    net = torque - _load(position, time, m)
+    net = torque - offset - _load(position, time, m)
     sign = 1.0 if (net if v == 0.0 else v) > 0.0 else -1.0
     one_side = 1.0 + sign * m.asymmetry
-    sticks = v == 0.0 and abs(net) <= one_side * (m.alpha0 + m.alpha1)
+    sticks = v == 0.0 and abs(net) <= one_side * level(0.0, torque, m)
     damping = (m.viscous + sign * m.viscous_difference) / m.inertia
-    pull, speed = (net - sign * one_side * level(v, m)) / m.inertia, v
+    pull, speed = (net - sign * one_side * level(v, torque, m)) / m.inertia, v
     if m.alpha1 != 0.0 or m.drag != 0.0:
         speed = v + 0.5 * left * (pull - damping * v)
-        pull = (net - sign * one_side * level(speed, m)) / m.inertia
+        pull = (net - sign * one_side * level(speed, torque, m)) / m.inertia
     h = left
     after, travel = _slide(v, pull, damping, h)
     stops = after * sign <= 0.0
@@ -145,4 +151,4 @@ def next_slide(q: float, v: float, torque: float, time: float, left: float, m: A
     if stops and not sticks:
         h = min(max(_time_to_rest(v, pull, damping), 0.0), left)
         after, travel = _slide(v, pull, damping, h)
-    return Slide(sticks, stops, h, after, travel, sign, pull, damping, position, speed)
+    return Slide(sticks, stops, h, after, travel, sign, pull, damping, position, speed, torque)

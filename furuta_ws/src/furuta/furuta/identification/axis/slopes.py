@@ -33,7 +33,7 @@ MOST_EVENTS = 6
 POSITION, SPEED, OFFSET, COSINE, SINE = -2, -1, -3, -4, -5
 
 
-_J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = (
+_J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT, _LOAD = (
     AxisModel._fields.index(name)
     for name in (
         "inertia",
@@ -49,6 +49,7 @@ _J, _A0, _B, _DELAY, _GS, _GC, _K, _A1, _VS, _ASYM, _D, _DRAG, _DRIFT = (
         "viscous_difference",
         "drag",
         "drift",
+        "load_friction",
     )
 )
 
@@ -98,9 +99,11 @@ def _direct(  # noqa: PLR0911, PLR0912 - a case for each unknown
     if kind == _VS:
         return -side * m.alpha1 * exp(-ratio * ratio) * 2.0 * ratio * ratio / m.stribeck_velocity
     if kind == _ASYM:
-        return -level(v, m)
+        return -level(v, slide.torque, m)
     if kind == _DRAG:
         return -side * v * v
+    if kind == _LOAD:
+        return -side * abs(slide.torque)
     if kind == _DRIFT:
         return -time
     if kind == OFFSET:
@@ -165,6 +168,7 @@ def _step(
     q: float,
     v: float,
     torque: float,
+    offset: float,
     rise: float,
     time: float,
     left: float,
@@ -181,7 +185,7 @@ def _step(
     """
     stopped = 0.0
     for _ in range(MOST_EVENTS):
-        slide = next_slide(q, v, torque, time, left, m)
+        slide = next_slide(q, v, torque, offset, time, left, m)
         if slide.sticks:
             for c in range(len(kinds)):
                 dv[c] = 0.0
@@ -240,8 +244,9 @@ def _move_along(
                 until = min(end, t + data.step)
                 if k < last:
                     until = min(until, data.edges[k + 1] + m.delay)
-                torque, rise = data.torque[k] - m.offsets[of], data.torque[k] - before
-                q, v = _step(q, v, torque, rise, t, until - t, of, dq, dv, kinds, numbers, m)
+                torque, offset = data.torque[k], m.offsets[of]
+                rise, left = torque - before, until - t
+                q, v = _step(q, v, torque, offset, rise, t, left, of, dq, dv, kinds, numbers, m)
                 t = until
             out[i] = q
             for c in range(len(kinds)):
