@@ -26,6 +26,8 @@ from furuta_model.parameters import ParameterError, shortened
 MOST_CELLS = 50_000_000
 # Rows that are read together; more do not stay in the processor's cache.
 ROWS_TOGETHER = 256
+# Last line in which the header of a table may be.
+HIGHEST_HEADER = 40
 # What stands for a missing value; an empty cell does too.
 MISSING = {"", "-", "--", "na", "n/a", "#n/a", "nan", "nil", "none", "null"}
 # Kinds of time, which are the units of their columns.
@@ -38,6 +40,8 @@ _TIME = re.compile(
     r"(?:(?P<clock>\d+:\d\d(?::\d\d)?)(?P<part>[.,]\d+)?\s*(?P<half>[ap]m)?)?"
     r"\s*(?:z|utc|(?P<zone>[+-]\d\d:?\d\d))?"
 )
+# A number with a unit of time, as MATLAB writes durations.
+_DURATION = re.compile(r"(?P<number>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*(?P<unit>sec|s|ms|min)")
 _EPOCH = date(1970, 1, 1).toordinal()
 
 
@@ -153,17 +157,18 @@ def _rows(rows: Any, first: int, ignored: list[list[str]]) -> Iterator[tuple[int
     width = len(ignored[0])
     for read in rows:
         line = first + rows.line_num
-        row = read if len(read) == width else _fitted(read, width, line)
+        row = read if len(read) == width else _fitted(read, width, line, first)
         if any(row) and not row[0].startswith("#") and row not in ignored:
             yield line, row
 
 
-def _fitted(row: list[str], width: int, line: int) -> list[str]:
+def _fitted(row: list[str], width: int, line: int, header: int) -> list[str]:
     if any(row[width:]):
-        raise csv.Error(
-            f"line {line} has {len(row)} cells, the header has {width}; separate cells by "
-            "semicolons if numbers have decimal commas"
-        )
+        above = f"lines {header} to {line - 1}" if line > header + 1 else f"line {header}"
+        advice = "separate cells by semicolons if numbers have decimal commas"
+        if line <= HIGHEST_HEADER:
+            advice = f"if the columns are named further below, remove {above}; or {advice}"
+        raise csv.Error(f"line {line} has {len(row)} cells, the header has {width}; {advice}")
     return row[:width] + [""] * (width - len(row))
 
 
@@ -184,6 +189,7 @@ class Cells:
         self.has_point = self.has_comma = False
         self._doubtful = 0  # numbers such as 1,234
         self._times: Counter[str] = Counter()
+        self._durations: Counter[str] = Counter()
         self._days: dict[str, int] = {}
         # Dates with slashes: whether a day or a month is certainly first, or one was guessed to be.
         self._day_is_first = self._month_is_first = self._guessed = False
@@ -207,7 +213,7 @@ class Cells:
         text = cell.strip().lower()
         if text in MISSING:
             return nan
-        readers = [self._with_point, self._with_comma]
+        readers = [self._with_point, self._with_comma, self._duration]
         readers.insert(0 if self._times else 2, self._time)  # first among times, for speed
         for read in readers:
             if (value := read(text)) is not None:
@@ -232,6 +238,13 @@ class Cells:
         else:
             self.has_comma = True
         return float(text.replace(",", "."))
+
+    def _duration(self, text: str) -> float | None:
+        found = _DURATION.fullmatch(text)
+        if not found:
+            return None
+        self._durations[found["unit"]] += 1
+        return self._with_point(found["number"])
 
     def is_doubtful(self, others_have_commas: bool) -> bool:
         """Whether commas may separate thousands.
@@ -274,7 +287,7 @@ class Cells:
     @property
     def unit(self) -> str:
         """The kind of time in the column; empty for numbers."""
-        return next(iter(self._times), "")
+        return next(iter(self._times or self._durations), "")
 
     def problem(self, commas: bool) -> str:
         """Why the column cannot be used; empty if it can. The table has decimal ``commas`` or not.
@@ -288,6 +301,8 @@ class Cells:
             f"a cell in {column} is not a number: {self._first}": self._wrong == 1,
             f"{self._wrong} cells in {column} are not numbers, first {self._first}": self._wrong,
             f"{column} has times of several forms, or times and numbers": times and mixed,
+            f"{column} has several units": len(self._durations) > 1
+            or 0 < self._durations.total() < np.sum(np.isfinite(self.numbers)),
             f"{column} has decimal points, but the table has decimal commas": (
                 commas and self.has_point and not times
             ),

@@ -22,7 +22,8 @@ class Recording(NamedTuple):
     command holds until the next one; before the first the command is 0 V. ``in_radians`` is True if
     the recording names the unit of its angles, which are then in rad. Recordings with the same
     ``number`` are excerpts of one run. ``findings`` say how the content was interpreted. ``joint``
-    names the only joint of the recording of an axis.
+    names the only joint of the recording of an axis, ``units`` are those of its position and of its
+    torque.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Recording(NamedTuple):
     number: int = 0
     findings: tuple[str, ...] = ()
     joint: str = ""
+    units: tuple[str, str] = ("rad", "N m")
 
     def noting(self, finding: str) -> Recording:
         """With one more finding, which begins with the name."""

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from furuta.identification.axis.identify import AxisFit
     from furuta.limit_cycles.joint import JointCycle
 
+# Motions without end about a reference at rest.
+HUNTING = ("limit_cycle", "irregular")
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 # What a line says of one of several joints.
@@ -29,6 +31,28 @@ OF_FIT = ("inertia", "alpha0", "alpha1", "viscous", "gravity_sin", "gravity_cos"
 SHOWN = (*OF_FIT, "usable", "reasons", "findings")
 # Chatter, relative to the level of friction, of a compensation that is recommended for a robot.
 QUIET = 0.25
+
+
+class Length(click.ParamType):
+    """A length with its unit, such as 10mm, in m."""
+
+    name = "length"
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The length [m]; a number alone is one already."""
+        from furuta_recordings.readers.columns import LENGTH_UNITS
+
+        text = str(value).strip().lower()
+        unit = next((u for u in sorted(LENGTH_UNITS, key=len)[::-1] if text.endswith(u)), "")
+        try:
+            size = float(text.removesuffix(unit)) * LENGTH_UNITS.get(unit, 1.0)
+        except ValueError:
+            size = -1.0
+        if not 0.0 <= size < 10.0:
+            self.fail(f"'{value}' is not a length such as 10mm or 0.01m", param, ctx)
+        return size
 
 
 @click.command()
@@ -98,6 +122,15 @@ QUIET = 0.25
     show_default=True,
     help="Torque or force per unit of the column of --command.",
 )
+@click.option("--time", "clock", metavar="COLUMN", help="Column of the time.")
+@click.option(
+    "--lead",
+    type=Length(),
+    default=0.0,
+    metavar="LENGTH",
+    help="Way per turn of the motor, such as 10mm, if the position is a length and the drive a "
+    "torque.",
+)
 @click.option(
     "--prove",
     is_flag=True,
@@ -129,6 +162,8 @@ def command(
     driven: str | None,
     joints: tuple[str, ...],
     torque_constant: float,
+    clock: str | None,
+    lead: float,
     prove: bool,
     out: Path | None,
     save: Path | None,
@@ -156,7 +191,7 @@ def command(
         raise click.UsageError("several joints have no common controller, --prove or --out")
     if save is not None and not records:
         raise click.UsageError("--save writes what is identified: give --identify FILE")
-    columns = (position, driven, torque_constant)
+    columns = (position, driven, torque_constant, clock, lead)
     if not controllers:
         _save(save, _identify(records, columns, joints, force, as_json))
         return
@@ -166,7 +201,7 @@ def command(
     if records:
         from furuta.axis.draws import COMPARED, consequences, drawn_axes, identified_axis, report
 
-        fit = _fit(records, *columns, next(iter(joints), None))
+        fit = _fit(records, columns, next(iter(joints), None))
         result["identified"] = _report(fit, as_json)
         _refuse_unusable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
@@ -189,10 +224,12 @@ def command(
             counts=counts,
             cycle=cycle,
             others=others,
-            **(_loop_of_node(fit) if save else {}),
+            **(_loop_of_node(fit) if records else {}),
         )
         result["compensations"] = [residual._asdict() for residual in compared.residuals]
         best = compared.recommended
+        hunts = best.peak_to_peak_rad > 2.0 * 2.0 * pi / counts if counts else cycle.kind in HUNTING
+        result["still_hunts"] = hunts and cycle.kind in HUNTING
         result["recommended"] = best.compensation if best.settled else None
     if prove:
         result["proof"] = _proof(axis, controller, reference_speed)
@@ -217,11 +254,14 @@ def _loop_of_node(fit: AxisFit) -> dict[str, Any]:
     }
 
 
-def _fit(records: Iterable[Path], *columns: Any) -> AxisFit:
+def _fit(records: Iterable[Path], columns: Sequence[Any], joint: str | None) -> AxisFit:
     from furuta.identification.axis.identify import identify_axis
     from furuta_recordings.readers import read_axis
 
-    return identify_axis([read_axis(each, *columns) for each in records])
+    position, driven, constant, clock, lead = columns
+    return identify_axis(
+        [read_axis(each, position, driven, constant, joint, clock, lead) for each in records]
+    )
 
 
 def _report(fit: AxisFit, as_json: bool) -> dict[str, Any]:
@@ -240,7 +280,7 @@ def _identify(
         raise click.UsageError("give the controller: either --pid or --cascade")
     if len(joints) > 1:
         return _identify_joints(records, columns, joints, force, as_json)
-    fit = _fit(records, *columns, next(iter(joints), None))
+    fit = _fit(records, columns, next(iter(joints), None))
     show(_report(fit, as_json), as_json)
     _refuse_unusable(fit, force)
     return [fit]
@@ -256,7 +296,7 @@ def _identify_joints(
     fits, reports, refused = [], {}, []
     for joint in dict.fromkeys(joints):
         try:
-            fit = _fit(records, *columns, joint)
+            fit = _fit(records, columns, joint)
             reports[joint] = fit.report()
             _refuse_unusable(fit, force)
             fits.append(fit)

@@ -40,6 +40,8 @@ def read_axis(
     command: str | None = None,
     torque_constant: float = 1.0,
     joint: str | None = None,
+    time: str | None = None,
+    lead: float = 0.0,
 ) -> Recording:
     """The recording of an axis: its position as arm angle [rad or m], its torque as command.
 
@@ -49,6 +51,8 @@ def read_axis(
         command: Column or topic of what drives the axis; of a bag by default the joint's effort.
         torque_constant: Torque or force that a command of 1 V, A or N m stands for.
         joint: Joint in a bag, or in a table with several; needed if there are several.
+        time: Column of the time, if its name is not a usual one.
+        lead: Way [m] per turn of the motor, if the position is a length and the drive a torque.
 
     Raises:
         ParameterError: The file cannot be read, or a name is missing or ambiguous.
@@ -63,14 +67,49 @@ def read_axis(
     if is_bag(path):
         from furuta_recordings.readers.bag import read_bag_axis
 
-        if position is not None:
+        if position is not None or time is not None:
             raise ParameterError(f"{path}: a bag has no columns; name its joint with --joint")
         recording = read_bag_axis(path, joint, command)
     else:
         from furuta_recordings.readers.table import read_axis_table
 
-        recording = read_axis_table(path, position, command, joint)
+        recording = read_axis_table(path, position, command, joint, time)
         recording = recording._replace(joint=joint or path.stem)
-    recording = recording._replace(command=torque_constant * recording.command)
+    recording = _in_units_of_an_axis(recording, torque_constant, lead)
     fewest = min(FEWEST_SAMPLES, len(recording.time))
     return with_usable_samples(with_usable_times(recording), (PHI,), fewest)
+
+
+def _in_units_of_an_axis(recording: Recording, torque_constant: float, lead: float) -> Recording:
+    """With the drive's torque or force for its command, and turns of the motor for a way.
+
+    Raises :class:`ParameterError` for a length with a torque, without the lead between them.
+    """
+    from math import pi
+
+    from furuta_model.state import PHI, PHI_DOT
+
+    position, drive = recording.units
+    if lead and position != "m":
+        raise ParameterError(
+            f"{recording.name}: a lead turns a position in m into turns; the position is in "
+            f"{position}"
+        )
+    if lead:
+        measured = recording.measured.copy()
+        measured[:, [PHI, PHI_DOT]] *= 2.0 * pi / lead
+        recording, position = recording._replace(measured=measured), "rad"
+    if torque_constant != 1.0:
+        drive = "N" if position == "m" else "N m"
+    elif position == "m" and drive == "N m":
+        raise ParameterError(
+            f"{recording.name}: the position is a length, the drive a torque; give the way per "
+            "turn of the motor (--lead 10mm), or the force per torque (--torque-constant)"
+        )
+    elif position == "rad" and drive == "N":
+        raise ParameterError(
+            f"{recording.name}: the position is an angle, the drive a force; give the torque per "
+            "force, which is the radius (--torque-constant)"
+        )
+    command = torque_constant * recording.command
+    return recording._replace(command=command, units=(position, drive))

@@ -47,6 +47,17 @@ _UNITS = {*TIME_UNITS, *POSITION_UNITS, *AXIS_SPEED_UNITS, *DRIVE_UNITS}
 # Names of a time that contain the unit: those of Arduino's functions.
 _TIMES = {"millis": "ms", "micros": "us"}
 
+# Units in which an axis is described, by those of a column that are not units of their own.
+AXIS_UNITS = {
+    **dict.fromkeys(ANGLE_UNITS, "rad"),
+    **dict.fromkeys(LENGTH_UNITS, "m"),
+    **dict.fromkeys(COUNT_UNITS, "counts"),
+    **dict.fromkeys(COMMAND_UNITS, "V"),
+    **dict.fromkeys(("a", "ma"), "A"),
+    **dict.fromkeys(("nm", "mnm"), "N m"),
+    "n": "N",
+}
+
 # Last words of the names of an angle and of a speed; the words between joint and speed may be any
 # of FILLERS, as in `arm angle dot`.
 ANGLE_WORDS = ("position", "angle", "pos", "encoder")

@@ -17,6 +17,7 @@ from furuta_recordings.readers.columns import (
     ANGLE_UNITS,
     ANGLE_WORDS,
     AXIS_SPEED_UNITS,
+    AXIS_UNITS,
     COMMAND_UNITS,
     DRIVE_UNITS,
     POSITION_UNITS,
@@ -41,6 +42,8 @@ from furuta_recordings.table_files import read_table as table_of
 ARM, PENDULUM = list(MEASURED)[0:4:2]
 # Usual last words of the name of what drives an axis, besides those of a command.
 DRIVES = ("torque", "force", "current")
+# Last words of the name of what drives a joint.
+OF_JOINT = ("effort", *DRIVES)
 
 
 def read_table(path: Path, mapping: Mapping) -> Recording:
@@ -168,18 +171,28 @@ def _first_elements(names: list[str]) -> list[str]:
 
 
 def read_axis_table(
-    path: Path, position: str | None, command: str | None, joint: str | None
+    path: Path, position: str | None, command: str | None, joint: str | None, clock: str | None
 ) -> Recording:
-    """The recording of an axis as that of an arm alone."""
+    """The recording of an axis as that of an arm alone, in the units of its columns."""
     table = table_of(path)
-    clock = clock_column(table, None, "rename the column")
+    clock = clock_column(table, clock)
     where = _position_column(table, position, joint)
-    driven = _command_column(table, command, DRIVES)
+    own_drive = joint_column(table.columns, joint, OF_JOINT) if joint and not command else None
+    driven = own_drive or _command_column(table, command, DRIVES)
     time, overflow = seconds(table, clock)
     own = _joint_of(table, where, _speed_column(table, where), POSITION_UNITS, AXIS_SPEED_UNITS)
     torque = in_si(table, driven, DRIVE_UNITS)
     source = f"torque from column {driven}, position from {where}, times from {clock}"
-    return recording_of(table.path.name, [own], time, (time, torque), (overflow, source))
+    units = unit_of(table, where), unit_of(table, driven)
+    moved = AXIS_UNITS.get(units[0], "rad")
+    named = moved, AXIS_UNITS.get(units[1], "N" if moved == "m" else "N m")
+    columns = zip((where, driven), units, named, strict=True)
+    guessed = [
+        f"column {name} names no unit: taken as {own}" for name, unit, own in columns if not unit
+    ]
+    findings = (overflow, source, *guessed)
+    recording = recording_of(table.path.name, [own], time, (time, torque), findings)
+    return recording._replace(units=named)
 
 
 def _position_column(table: Table, wanted: str | None, joint: str | None) -> str:

@@ -103,7 +103,8 @@ def seconds(table: Table, name: str) -> tuple[np.ndarray, str]:
     if unit_of(table, name):
         return in_si(table._replace(columns={name: times}), name, TIME_UNITS), finding
     typical = float(np.median(np.abs(known)))
-    scale = next((scale for least, scale in EPOCHS.items() if typical > least), 1.0)
+    within = next((word for word in column(name).words if word in ("ms", "us", "ns")), "s")
+    scale = next((s for least, s in EPOCHS.items() if typical > least), TIME_UNITS[within])
     interval = scale * float(np.median(np.abs(np.diff(known)))) if len(known) > 1 else 0.0
     if interval > LONGEST_INTERVAL:
         raise ParameterError(

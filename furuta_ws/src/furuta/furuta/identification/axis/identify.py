@@ -34,10 +34,15 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording, findings_of
+from furuta_recordings.splitting import split_into_runs
 
 # Fewest counts of the sensor over which the axis must move; travel [rad] from which gravity differs
 # from a spring.
 COUNTS, GRAVITY_TRAVEL = 8.0, 0.7
+# Shortest interval [s] between samples that is fitted.
+THINNED = 1e-3
+# Delay [s] that drives seldom have.
+LONG_DELAY = 0.02
 # Residuals in the noise of the position from which a fit is started from the torques as well.
 POOR = 3.0
 # Size of the residuals in the noise of the position that a fit has which explains the recording;
@@ -87,7 +92,7 @@ class AxisFit(NamedTuple):
         The model gets the torque, but the position only at the start. The drift is left out; the
         offset is that of the fit, or the recording's ``own_offset``.
         """
-        return _free_run(self, recording, (("offset", 0),) if own_offset else ())
+        return _free_runs(self, recording, (("offset", 0),) if own_offset else ())
 
     def report(self) -> dict[str, Any]:
         """Everything by name, as the command line prints it."""
@@ -95,11 +100,12 @@ class AxisFit(NamedTuple):
             **self.values,
             "standard_errors": self.standard_errors,
             "undetermined": self.undetermined,
+            "units": {name: unit_of(name, self.recordings[0].units) for name in self.values},
             "usable": self.usable,
             "reasons": self.reasons,
             "covariance": {"names": list(self.names), "values": self.covariance.tolist()},
             "resolution": self.resolution,
-            "error": _free_run(self, self.recordings[0], (("offset", 0), "drift")),
+            "error": _free_runs(self, self.recordings[0], (("offset", 0), "drift")),
             "findings": self.findings,
         }
 
@@ -130,6 +136,9 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     best = base
     if part <= UNEXPLAINED or torques is None or torques.part <= UNEXPLAINED:
         best = supported(cut, base, scales, drift=len(ready) == 1)
+        if best.values["delay"] > LONG_DELAY:
+            prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
+            best = min(best, prompt, key=lambda each: each.cost)
     part = best.rms * _noise(cut) / _forced_motion(cut)
     if part <= USELESS:
         return _result(ready, cut, best, scales, sensor)
@@ -141,6 +150,18 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
             "and clock of the torque"
         )
     return _result(ready, cut, best, scales, sensor)
+
+
+def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
+    """The fit with all effects that are supported if the torque acts at once, then with a delay.
+
+    Without a fall of friction a long delay may be the better fit, and hide the fall.
+    """
+    keys = [key for key in base.unknowns.keys if key != "delay"]
+    start = fitted(cut, keys, scales, {**base.values, "delay": 0.0}, enough=COARSE)
+    best = supported(cut, start, scales, drift)
+    keys = ["inertia", "alpha0", "viscous", "delay", *best.unknowns.keys]
+    return fitted(cut, dict.fromkeys(keys), scales, best.values, best.state.first)
 
 
 def _from_torques(cut: Segments, base: Fit, torques: Fit, scales: Scales) -> Fit:
@@ -165,9 +186,51 @@ def _prepared(recording: Recording) -> Recording:
             f"{recording.name}: the axis moves by {travel:g}, which is less than {COUNTS:g} counts "
             f"of {count:g} of its sensor; record a larger motion"
         )
-    ready = cleaned(recording, joints=(PHI,))
+    ready = _thinned(cleaned(recording, joints=(PHI,)))
     middle = 0.5 * (ready.time[0] + ready.time[-1])
     return ready._replace(time=ready.time - middle, command_time=ready.command_time - middle)
+
+
+def _thinned(recording: Recording) -> Recording:
+    """A recording at 1 to 2 kHz of one that was faster, with the mean of its commands between."""
+    every = int(THINNED / recording.interval) if recording.interval else 1
+    together = np.array_equal(recording.time, recording.command_time)
+    if every < 2 or not together:
+        return recording
+    starts = np.arange(0, len(recording.time), every)
+    means = np.add.reduceat(recording.command, starts)
+    thinned = recording._replace(
+        time=recording.time[starts],
+        measured=recording.measured[starts],
+        command_time=recording.time[starts],
+        command=means / np.diff(np.append(starts, len(recording.time))),
+    )
+    rate = 1e-3 / recording.interval
+    return thinned.noting(f"{rate:.3g} kHz: every {every}th position, and the mean of its torques")
+
+
+def unit_of(name: str, units: tuple[str, str]) -> str:
+    """The unit of a value, from those of position and torque; empty for a number."""
+    position, torque = units
+    if units == ("rad", "N m"):
+        inertia = "kg m²"
+    elif units == ("m", "N"):
+        inertia = "kg"
+    else:
+        inertia = f"{torque} s²/{position}"
+    known = {
+        "inertia": inertia,
+        "viscous": f"{torque} s/{position}",
+        "viscous_difference": f"{torque} s/{position}",
+        "drag": f"{torque} s²/{position}²",
+        "spring": f"{torque}/{position}",
+        "drift": f"{torque}/s",
+        "delay": "s",
+        "stribeck_velocity": f"{position}/s",
+        "asymmetry": "",
+        "load_friction": "",
+    }
+    return known.get(name, torque)
 
 
 def _travel(position: np.ndarray) -> float:
@@ -319,6 +382,16 @@ def _forced_motion(cut: Segments) -> float:
         basis, _ = np.linalg.qr(np.column_stack((np.ones(len(t)), t - t[0])))
         left.append(q - basis @ (basis.T @ q))
     return float(np.sqrt(np.mean(np.concatenate(left) ** 2))) or 1e-300
+
+
+def _free_runs(result: AxisFit, recording: Recording, free: Sequence[Key]) -> float:
+    """Root mean square error over the runs between the pauses of a recording."""
+    try:
+        runs = split_into_runs(recording)
+    except ParameterError:  # all are short
+        runs = [recording]
+    squares = [len(run.time) * _free_run(result, run, free) ** 2 for run in runs]
+    return float(np.sqrt(np.sum(squares) / sum(len(run.time) for run in runs)))
 
 
 def _free_run(result: AxisFit, recording: Recording, free: Sequence[Key]) -> float:

@@ -113,7 +113,7 @@ class Slide(NamedTuple):
     """What the axis does next: stick, slide for a ``time`` [s], or slide until it ``stops``.
 
     ``after`` and ``travel`` are speed at its end and way. It slides to one side (``sign``) with
-    v' = ``pull`` - ``damping`` v; load and level are those at ``position``, ``speed`` and ``torque``.
+    v' = ``pull`` - ``damping`` v; load and level are those at ``position``, ``speed``, ``torque``.
     """
 
     sticks: bool

@@ -15,7 +15,10 @@ LARGEST_REST, SURE_ERRORS = 0.5, 3.0
 
 
 def with_ceiling(model: Model, prediction: Prediction) -> Prediction:
-    """The prediction, or one with a ceiling that explains why the rig does less than commanded."""
+    """The prediction, noting a ceiling that explains why the rig does less than commanded.
+
+    The ceiling is fitted to the held-out recording: the prediction itself does not have it.
+    """
     recording = prediction.recording
     known = max(fitted.largest_command for fitted in model.recordings)
     if np.isfinite(model.values["ceiling"]) or recording.largest_command <= known:
@@ -27,13 +30,13 @@ def with_ceiling(model: Model, prediction: Prediction) -> Prediction:
     rest = _size(model, clipped) / _size(model, prediction)
     if rest > LARGEST_REST or largest - ceiling < SURE_ERRORS * error:
         return prediction
-    before = prediction.fits()
+    then = clipped.fits()
     noted = recording.noting(
         f"the drive may clip at {ceiling:.3g} ± {error:.2g} V, below this command of {largest:g} V:"
-        f" give --ceiling {ceiling:.3g}; predicted with it, and without it arm angle "
-        f"{before['arm angle']:.1f} %, pendulum angle {before['pendulum angle']:.1f} %"
+        f" give --ceiling {ceiling:.3g}; fitted to this recording it would give arm angle "
+        f"{then['arm angle']:.1f} %, pendulum angle {then['pendulum angle']:.1f} %"
     )
-    return clipped._replace(recording=noted)
+    return prediction._replace(recording=noted)
 
 
 def _size(model: Model, prediction: Prediction) -> float:

@@ -1,0 +1,204 @@
+r"""A smart servo with a position loop of its own, of which only goal and position are logged.
+
+.. math::
+    J\ddot q = \mathrm{sat}_U(g(t - d) - q) - B\dot q - F\,\mathrm{sgn}\,\dot q - f_0
+
+All in units of the loop's stiffness, which goal and position do not show: J [s²], B [s], and F, f_0
+and the limit U by the supply [rad]. A goal that is nearer than F moves nothing: 2F is the dead band
+of the servo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta.identification.axis.motion import AxisModel, next_slide
+from furuta.identification.axis.segments import segmented, smoothed
+from furuta.identification.bodies.axis import NOTHING, model_of
+from furuta.identification.bodies.body import Differentiated, Segments
+from furuta.identification.least_squares import Fit, Problem, evaluated, fit
+from furuta.identification.selection import chance_of
+from furuta.identification.unknowns import Unknown, Unknowns, Values
+from furuta_model.compiled import compiled
+from furuta_model.parameters import ParameterError
+from furuta_recordings.cleaning import cleaned
+from furuta_recordings.recording import Recording
+
+# Longest step of the integration [s]: within one the loop's pull is that of its middle.
+STEP = 5e-4
+# Slides and stops within a step, and times [s] that are none.
+MOST_EVENTS, SHORTEST = 6, 1e-12
+# Delays [s] that the first estimate tries, and part of the largest speed that surely slides.
+DELAYS, SLIDES = np.arange(0.0, 0.05, 0.002), 0.05
+# Limits that are tried first, in the largest error of the loop.
+LIMITS = np.geomspace(0.1, 1.0, 10)
+# Starts that are fitted, and inertias [s²] that are tried first with the damping of a usual loop.
+TRIED = 3
+INERTIAS = np.geomspace(1e-4, 1e-2, 9)
+# Increase of the squares, in those of a sample, that contradicts a fit without a limit.
+CONTRADICTED = 10.0
+# Largest probability by chance of a value that is reported, and residuals, in the noise of the
+# position, of a fit that explains the recording.
+BY_CHANCE, EXPLAINED = 1e-3, 1.3
+
+
+class ServoFit(NamedTuple):
+    """Values and standard errors by name, in rad and s, and why others are not determined.
+
+    ``usable`` is yes or doubtful; ``left`` are the residuals in the noise of the position.
+    """
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    undetermined: dict[str, str]
+    usable: str
+    left: float
+
+
+class Servo(Differentiated):
+    """Positions of a servo."""
+
+    speed: int | None = 1
+
+    def outputs(self, values: Values, first: np.ndarray, cut: Segments) -> np.ndarray:
+        """Positions (n, 1)."""
+        axis = model_of({key: value for key, value in values.items() if key != "limit"})
+        data, out = cut.data, np.empty(len(cut.time))
+        _move(axis, values["limit"], first, cut.time, cut.bounds, data.edges, data.torque, out)
+        return out[:, None]
+
+
+@compiled
+def _move(
+    m: AxisModel,
+    limit: float,
+    first: np.ndarray,
+    time: np.ndarray,
+    bounds: np.ndarray,
+    edges: np.ndarray,
+    goal: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Positions (n,) of all segments, each from its own first state (s, 2)."""
+    last = len(edges) - 1
+    for s in range(len(bounds) - 1):
+        q, v, t = first[s, 0], first[s, 1], time[bounds[s]]
+        k = max(np.searchsorted(edges, t - m.delay, side="right") - 1, 0)
+        for i in range(bounds[s], bounds[s + 1]):
+            while time[i] - t > SHORTEST:
+                while k < last and edges[k + 1] + m.delay <= t + SHORTEST:
+                    k += 1
+                until = min(time[i], t + STEP)
+                if k < last:
+                    until = min(until, edges[k + 1] + m.delay)
+                left = until - t
+                pull = min(max(goal[k] - q - 0.5 * left * v, -limit), limit)
+                for _ in range(MOST_EVENTS):
+                    slide = next_slide(q, v, pull, m.offsets[0], t, left, m)
+                    q += 0.0 if slide.sticks else slide.travel
+                    v = 0.0 if slide.sticks or slide.stops else slide.after
+                    left -= slide.time
+                    if slide.sticks or not slide.stops or left <= SHORTEST:
+                        break
+                t = until
+            out[i] = q
+
+
+def identify_servo(recording: Recording) -> ServoFit:
+    """Fit a servo to a recording whose command is its goal [rad].
+
+    Raises:
+        ParameterError: The servo does not follow its goal.
+    """
+    ready = cleaned(recording, joints=(0,))
+    values, error, fastest = _first_values(ready)
+    cut = segmented([ready])
+    problem = Problem(Servo(), cut, _unknowns(values, error, fastest))
+    starts = sorted(_starts(values), key=lambda each: evaluated(problem, each, cut.first).cost)
+    best = min((fit(problem, each) for each in starts[:TRIED]), key=lambda each: each.cost)
+    unlimited = problem._replace(
+        unknowns=Unknowns(each for each in problem.unknowns if each.key != "limit")
+    )
+    free = fit(unlimited, {**best.values, "limit": 2.0 * values["limit"]})
+    if free.cost < best.cost + CONTRADICTED * max(best.rms**2, 1.0):
+        best = free
+    return _result(
+        best, float(np.max(np.abs(ready.commanded_at(ready.time) - ready.measured[:, 0])))
+    )
+
+
+def _starts(values: Values) -> Iterator[Values]:
+    """First values to compare: a limit that is too large has no slope.
+
+    A loop that is faster than the samples hides its inertia from the regression.
+    """
+    damped: list[Values] = [{"inertia": each, "viscous": 1.4 * np.sqrt(each)} for each in INERTIAS]
+    for body in (values, *damped):
+        for part in LIMITS:
+            yield {**values, **body, "limit": part * values["limit"]}
+
+
+def _result(best: Fit, largest: float) -> ServoFit:
+    """What is determined; ``largest`` is the largest error of the loop [rad]."""
+    errors = best.unknowns.all("size") * np.sqrt(np.diag(best.covariance))
+    names = {"alpha0": "friction", ("offset", 0): "offset"}
+    values, standard, undetermined = {}, {}, {}
+    for key, error in zip(best.unknowns.keys, map(float, errors), strict=True):
+        name, value = names.get(key, str(key)), best.values[key]
+        if key == ("offset", 0) or chance_of(best, (key,)) < BY_CHANCE:
+            values[name], standard[name] = float(value), error
+        else:
+            undetermined[name] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
+    if "limit" not in best.unknowns.keys:
+        undetermined["limit"] = f"the loop does not reach it: at least {largest:.3g}"
+    return ServoFit(
+        values, standard, undetermined, "yes" if best.rms < EXPLAINED else "doubtful", best.rms
+    )
+
+
+def _unknowns(values: Values, error: float, fastest: float) -> Unknowns:
+    """What is fitted; sizes are the usual error of the loop [rad] and a fast speed."""
+    return Unknowns(
+        (
+            Unknown("inertia", size=values["inertia"], factor=2.5),
+            Unknown("alpha0", low=0.0, size=error),
+            Unknown("viscous", low=0.0, size=error / fastest),
+            Unknown("delay", low=0.0, size=0.002),
+            Unknown("limit", size=10.0 * error, factor=2.5),
+            Unknown(("offset", 0), size=error),
+        )
+    )
+
+
+def _first_values(recording: Recording) -> tuple[Values, float, float]:
+    """By regression of the loop's error where the servo slides; and its usual error and speed."""
+    even = smoothed(recording)
+    error = even.torque - even.position
+    fastest, size = float(np.max(np.abs(even.speed))), float(np.sqrt(np.mean(error**2)))
+    slides = np.abs(even.speed) > SLIDES * fastest
+    found = []
+    for delay in DELAYS:
+        late = np.interp(even.time - delay, even.time, even.torque) - even.position
+        free = slides & (np.abs(late) < np.quantile(np.abs(late), 0.8))
+        columns = (even.acceleration, np.sign(even.speed), even.speed, np.ones(len(error)))
+        matrix = np.column_stack(columns)[free]
+        x, *_ = np.linalg.lstsq(matrix, late[free], rcond=None)
+        found.append((float(np.mean((late[free] - matrix @ x) ** 2)), delay, x))
+    left, delay, (inertia, level, viscous, offset) = min(found, key=lambda each: each[0])
+    if not np.sqrt(left) < 0.5 * size:
+        raise ParameterError(
+            f"{recording.name}: the servo does not follow its goal; check unit and sign of the goal"
+        )
+    values = {
+        **NOTHING,
+        "inertia": max(float(inertia), 1e-6),
+        "alpha0": max(float(level), 0.01 * size),
+        "viscous": max(float(viscous), 0.0),
+        "delay": float(delay),
+        "limit": float(np.max(np.abs(error))),
+        ("offset", 0): float(offset),
+    }
+    return values, size, fastest
