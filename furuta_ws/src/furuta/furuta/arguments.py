@@ -75,8 +75,9 @@ def _with_content(name: str, value: Any, hint: Any) -> Any:
             return _group(name, value, hint)
     origin = get_origin(hint)
     if origin is Mapping:
+        key, *_ = get_args(hint) or (str,)
         for each in value:
-            check(f"a name in {name}", each, str)
+            check(f"a name in {name}", each, key)
     elif origin in (Iterable, Sequence):
         return [check(f"{name}[{k}]", each, *get_args(hint)) for k, each in enumerate(value)]
     return value
