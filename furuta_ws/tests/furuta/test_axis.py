@@ -307,3 +307,18 @@ def test_what_is_no_joint_file_is_refused(tmp_path: Path) -> None:
         path.write_text(text)
         with pytest.raises(furuta.ParameterError, match=words):
             furuta.read_joint_file(path, name)
+
+
+def test_friction_under_load_is_simulated_and_identified() -> None:
+    """A gear that loses a tenth of the torque loses it in the recording of a simulation too."""
+    time = np.arange(10_000) / 500.0
+    moves = 0.8 * np.sin(2.0 * time) + 0.5 * np.sin(5.0 * time + 1.0) + 0.1 * np.sin(17.0 * time)
+    friction = parse_friction("alpha0=0.05,viscous=0.02", "coulomb")
+    axis = furuta.Axis(0.01, friction, "coulomb", load_friction=0.1)
+    run = furuta.simulate_axis(
+        axis, furuta.Pid(20.0, 10.0, 0.8), reference=moves, counts=20_000, sample_time=2e-3
+    )
+    fit = furuta.identify_axis(run.recording)
+    assert fit.values["load_friction"] == pytest.approx(0.1, abs=0.02)
+    with pytest.raises(furuta.ParameterError, match="load_friction"):
+        furuta.simulate_axis(axis._replace(load_friction=1.5), furuta.Pid(1.0))

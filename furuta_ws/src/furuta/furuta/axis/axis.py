@@ -35,11 +35,16 @@ NOTHING = Friction(alpha0=0.0, alpha1=0.0)
 
 
 class Axis(NamedTuple):
-    """Inertia [kg m² or kg], friction in the units of torque and speed, and its law."""
+    """Inertia [kg m² or kg], friction in the units of torque and speed, and its law.
+
+    ``load_friction`` is further friction per torque of the drive, as of a gear under load.
+    Simulations have it, exact motions do not.
+    """
 
     inertia: float
     friction: Friction
     law: str = "stribeck"
+    load_friction: float = 0.0
 
 
 class Pid(NamedTuple):
@@ -105,6 +110,10 @@ def check_axis(axis: Axis, controller: Controller, speed: float = 0.0) -> None:
     if not (np.all(np.isfinite(numbers)) and axis.inertia > 0.0):
         raise ParameterError(
             f"inertia must be above 0 and all numbers finite, given inertia {axis.inertia:g}"
+        )
+    if not 0.0 <= axis.load_friction < 1.0:
+        raise ParameterError(
+            f"load_friction must be at least 0 and below 1, given {axis.load_friction:g}"
         )
     if min(controller) < 0.0:
         raise ParameterError(f"gains and times must not be negative, given {tuple(controller)}")

@@ -74,7 +74,8 @@ def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
     known = {name: value for name, value in fit.values.items() if name in Friction._fields}
     if "stribeck_velocity" not in known and law != "stiction":
         known["alpha1"] = 0.0
-    return Axis(fit.values["inertia"], NOTHING._replace(**known), law)
+    load = fit.values.get("load_friction", 0.0)
+    return Axis(fit.values["inertia"], NOTHING._replace(**known), law, load)
 
 
 def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
@@ -123,7 +124,7 @@ def _drawn(
     else:
         changes[excess], law = max(random.uniform(-fit.hidden, fit.hidden), 0.0), "stiction"
     inertia = max(drawn["inertia"], 0.1 * centre.inertia)
-    return Axis(inertia, friction._replace(**changes), law)
+    return centre._replace(inertia=inertia, friction=friction._replace(**changes), law=law)
 
 
 def consequences(axes: Sequence[Axis], controller: Controller, speed: float = 0.0) -> Consequences:

@@ -21,8 +21,9 @@ from furuta.axis.servo import (
 )
 from furuta.limit_cycles.joint import Units, friction_in
 from furuta_model.block import new_memory, zeros
-from furuta_model.compiled import compiled
+from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, friction_law
+from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
@@ -41,6 +42,7 @@ class LoopDesign(NamedTuple):
 
     body: FurutaPendulum
     law: FrictionLaw
+    load_friction: float
     substeps: int
     dt: float
     position: float
@@ -69,6 +71,7 @@ def design_loop(
     return LoopDesign(
         body=body,
         law=friction_law(axis.law, friction),
+        load_friction=axis.load_friction,
         substeps=substeps_for(dt, body, friction),
         dt=dt,
         position=units.position,
@@ -78,6 +81,22 @@ def design_loop(
         by_topic=by_topic,
         servo=servo,
     )
+
+
+@inlined
+def _under_load(law: FrictionLaw, load: float) -> FrictionLaw:
+    """The law with a Coulomb level that is higher by the friction under a load."""
+    f = law.parameters
+    parameters = Friction(
+        f.sigma0,
+        f.sigma1,
+        f.alpha0 + load,
+        f.alpha1,
+        f.stribeck_velocity,
+        f.viscous,
+        f.asymmetry,
+    )
+    return FrictionLaw(law.kind, parameters, law.level, law.breakaway, law.bristle, law.springs)
 
 
 @compiled
@@ -103,7 +122,9 @@ def run_loop(
             commands[k] += friction - memory[0].servo.observer.friction
         torque = commands[k - p.delay] if k >= p.delay else 0.0
         series[0, k], series[1, k], series[2, k] = position, measured, torque
-        advance(x, torque / p.force, p.dt, p.substeps, p.body, p.law)
+        force = torque / p.force
+        law = _under_load(p.law, p.load_friction * abs(force))
+        advance(x, force, p.dt, p.substeps, p.body, law)
 
 
 class AxisRecord(NamedTuple):
