@@ -299,13 +299,13 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
     kept = state.cost - there.cost > KEPT_PROMISE * about.decrease(step)
     if kept or not np.any(problem.cut.spread):
         return there
-    choices = [there.first, _solved(problem, there, about)]
+    choices = [there.first, solved(problem, there, about)]
     if there.cost >= state.cost:
         choices.append(state.first)
     return evaluated(problem, values, _best_starts(problem, values, choices))
 
 
-def _solved(problem: Problem, state: State, about: Linearised) -> np.ndarray:
+def solved(problem: Problem, state: State, about: Linearised) -> np.ndarray:
     """First states (s, k) after a step of their own, with slopes that are known."""
     cut, k = problem.cut, state.first.shape[1]
     r, off = state.residuals, _in_spreads(cut, cut.first - state.first)

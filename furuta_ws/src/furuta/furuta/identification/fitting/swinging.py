@@ -179,6 +179,23 @@ def _common_fit(
     return optimise(recordings, keys, optimum.values, window, scale, robust=True)
 
 
+def _refitted(optimum: Optimum, keys: list[Key], start: ParameterValues) -> Optimum:
+    """A fit with more unknowns: the better one from a start, and from a fit of short segments.
+
+    Free runs have several optima, of which the one without the waves need not be the nearest.
+    """
+    short = optimise(
+        optimum.recordings,
+        keys,
+        start,
+        min(SEGMENT_LENGTHS[-1], optimum.window),
+        optimum.scale,
+        True,
+    )
+    fits = [optimum.refitted(keys, each) for each in (start, short.values)]
+    return min(fits, key=lambda each: each.fit.cost)
+
+
 def _final_fit(optimum: Optimum) -> Optimum:
     """The fit with torque ripple and bristle parameters as far as the data determine them."""
     for _ in range(ROUNDS_OF_WAVES):
@@ -187,7 +204,7 @@ def _final_fit(optimum: Optimum) -> Optimum:
             break
         added = [key for order in orders for key in wave(order)]
         start = optimum.values.changed(added, np.zeros(len(added)))
-        optimum = optimum.refitted([*optimum.keys, *added], start)
+        optimum = _refitted(optimum, [*optimum.keys, *added], start)
     bristle = [name for name in LUGRE if name not in optimum.keys]
     keys = [*optimum.keys, *identifiable(optimum, bristle)]
     return optimum.refitted(keys, optimum.values, FINE)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from furuta.identification.errors import jackknife, noise_of
-from furuta.identification.least_squares import Linearised, in_blocks, residuals
+from furuta.identification.least_squares import Linearised, evaluated, in_blocks, residuals, solved
 from furuta.identification.regression.speeds import turns_one_way
 from furuta.identification.shooting.optimisation import Optimum
 from furuta.identification.shooting.unknowns import BODY, wave
@@ -28,6 +28,8 @@ BLOCK = 0.5
 # prediction from the slopes, as a part of it. Ordinary fits have 0.01 to 0.5, chaotic ones more
 # than 1.6.
 LINEAR_PART, LARGEST_ERROR = 0.1, 1.0
+# Steps of the first states before the residuals are compared.
+STEPS = 2
 
 
 def covariance_and_information(
@@ -124,8 +126,13 @@ def is_linear(optimum: Optimum) -> bool:
     Those of a pendulum that turns over the top, or nearly, in a free run do not: their sum of
     squares has many minima, and each of them looks certain.
     """
-    about, problem, state = optimum.about(), optimum.problem, optimum.fit.state
+    about, problem, state = (
+        optimum.about(),
+        optimum.problem._replace(robust=False),
+        optimum.fit.state,
+    )
     covariance = block_covariance(optimum, about)
+    at_optimum = residuals(problem, state.values, solved(problem, state, about))
     for name in BODY:
         index = optimum.keys.index(name)
         step = LINEAR_PART * covariance[:, index] / np.sqrt(covariance[index, index])
@@ -134,7 +141,9 @@ def is_linear(optimum: Optimum) -> bool:
         predicted = about.columns @ step
         for s, (start, end) in enumerate(itertools.pairwise(problem.cut.bounds)):
             predicted[start:end] -= about.states[start:end] @ (about.back[s] @ step)
-        error = residuals(problem, values, first) - state.residuals + predicted
+        for _ in range(STEPS):
+            first = solved(problem, evaluated(problem, values, first), about)
+        error = residuals(problem, values, first) - at_optimum + predicted
         if np.linalg.norm(error) > LARGEST_ERROR * np.linalg.norm(predicted):
             return False
     return True
