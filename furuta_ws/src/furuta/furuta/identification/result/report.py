@@ -160,8 +160,19 @@ def full_report(
         **summary(model),
         "fit": {p.recording.name: _fits(p) for p in fitted},
         "held_out": {p.recording.name: _fits(p) for p in held_out},
-        "verdict": verdict(fitted),
+        "verdict": _with_inertias(verdict(fitted), model),
     }
+
+
+def _with_inertias(judged: dict[str, Any], model: Model) -> dict[str, Any]:
+    """The verdict; a model is of no use if no coefficient of its body is determined.
+
+    States that are free at the start of each segment can follow a motion without any command.
+    """
+    if not set(FurutaPendulum._fields) <= withheld(model).keys():
+        return judged
+    reasons = [*judged["reasons"], "no coefficient of the body is determined by the data"]
+    return {**judged, "usable": UNUSABLE, "reasons": reasons}
 
 
 def _fits(prediction: Prediction) -> dict[str, float]:
