@@ -13,7 +13,8 @@ import numpy as np
 import page_designs as designs
 import pytest
 from browser import OPTIONS, browser_path
-from one_page import BUNDLER, DECLARED, HERE, build
+from one_page import BUNDLER, HERE, build
+from page_scenes import check_every_scene
 
 from furuta_model.parts.disturbances import Pushes
 from furuta_sim.simulation.closed_loop import simulate
@@ -36,8 +37,6 @@ CASES: dict[str, dict[str, str]] = {
     "weak": {"compensation": "recommended", "strength": "0.3"},
 }
 SECOND = 1000  # samples
-# How closely the motion agrees with the exact cycle of its step.
-EXACT = {"with friction": 0.02, "feedback as it is": 0.02, "faster feedback": 0.05}
 
 
 @pytest.fixture(scope="module")
@@ -112,8 +111,8 @@ def test_samples_have_the_same_bits(case: str, page: Any) -> None:
     """In the browser, from the same noise."""
     noise = np.random.default_rng(0).standard_normal((SAMPLES, 2))  # that of the simulation
     code = (
-        "([knobs, push, noise]) => { const one = new page.Loop(page.DATA); one.turn(knobs);"
-        "one.signals[13] = push[0]; one.push(...push.slice(1)); one.signals[13] = 0;"
+        "([knobs, push, noise]) => { const one = new page.Loop(page.DATA); one.set(knobs);"
+        "one.signals[13] = push[0]; one.push(...push.slice(2), push[1]); one.signals[13] = 0;"
         "let text = ''; for (const byte of new Uint8Array(one.replay("
         "Float64Array.from(noise)).buffer)) text += String.fromCharCode(byte); return btoa(text); }"
     )
@@ -122,59 +121,15 @@ def test_samples_have_the_same_bits(case: str, page: Any) -> None:
     assert_same(np.delete(results, BRISTLE, 1), python_results(CASES[case], SAMPLES))
 
 
-def swing(page: Any) -> float:
-    """The arm's swing in the last 5 s, from the samples themselves [rad]."""
-    rows = np.array(page.evaluate("page.motion.rows"))
-    return float(np.ptp(rows[rows[:, 0] > rows[-1, 0] - DECLARED["measured"]["window"], 1]))
-
-
-def run(page: Any, seconds: float) -> float:
-    """Let time pass, faster than it does; the swing then [rad]."""
+def run(page: Any, seconds: float) -> None:
+    """Let time pass, faster than it does."""
     page.evaluate(f"page.motion.advance({seconds * SECOND}); page.tell()")
-    return swing(page)
 
 
 def test_every_scene_to_its_end(page: Any) -> None:
-    """What is printed is what is measured, and it agrees with what the scenes say.
-
-    The motion is the exact cycle's, compensation reduces it, and a fall is said. Under compensation
-    the motion is irregular: its size is the median of five windows.
-    """
+    """As the page computes it."""
     page.evaluate("page.state.paused = true; page.enter(0, 0)")
-    sizes = {}
-    for scene in DECLARED["scenes"]:
-        for step in scene["steps"]:
-            row = page.locator("fieldset label").filter(has=page.locator(":checked"))
-            assert row.locator("span").inner_text() == step["name"]
-            assert page.locator(".look").inner_text() == step["look"]
-            run(page, 2.5)
-            assert page.locator("#counts").inner_text().startswith(("measuring: ", "push in "))
-            measured = run(page, 25.0)
-            printed = row.locator("output").inner_text()
-            if step["name"] == "push on the pendulum":
-                assert printed == "fell"
-                assert page.locator("#fallen").is_visible()
-                page.keyboard.press("r")
-                page.evaluate("page.tell()")
-                assert not page.locator("#fallen").is_visible()
-            else:
-                digits = 1 if np.rad2deg(measured) >= 3.0 else 2
-                assert printed == f"{np.rad2deg(measured):.{digits}f}°"
-                assert page.locator("#swing").inner_text() == printed
-            if step["name"] in EXACT:
-                exact = page.evaluate("page.cycle().exact")
-                assert measured == pytest.approx(exact, rel=EXACT[step["name"]])
-                if scene.get("predict"):
-                    shown = page.locator(".known b").first.inner_text()
-                    assert shown == f"{np.rad2deg(exact):.1f}°"
-            sizes[step["name"]] = np.median([run(page, 5.0) for _ in range(5)])
-            if step["name"] == "fall and swing up":
-                assert page.evaluate("Math.cos(page.motion.loop.signals[2])") > 0.99
-            page.keyboard.press("n")
-    assert sizes["without friction"] < 0.02 * sizes["with friction"]
-    assert 0.1 * sizes["none"] > sizes["Coulomb"] > sizes["LuGre observer"] > sizes["recommended"]
-    assert sizes["friction × 1.5, recommended"] < 0.1 * sizes["friction × 1.5, LuGre observer"]
-    assert page.locator("#scenes .done").count() == len(DECLARED["scenes"]) - 1  # it begins again
+    check_every_scene(page, run)
     assert not page.failures
 
 
@@ -205,24 +160,23 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     """It follows the pointer, and is let go where it is; keys push, reset and pause."""
     page.evaluate("page.state.paused = true; page.enter(2, 3); page.drawing.drawAll()")
     box = page.locator("#stage").bounding_box()
-    signals = "page.motion.loop.signals"
-    x, y = page.evaluate(f"page.drawing.stage.pixels('pendulum', {signals}[0], {signals}[2])")
+    x, y = page.evaluate("page.drawing.stage.pixels('pendulum', ...page.motion.pose)")
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
     page.mouse.move(box["x"] + x + 15, box["y"] + y, steps=5)
-    held = page.evaluate("page.motion.loop.signals[2]")
+    held = page.evaluate("page.motion.pose[1]")
     assert abs(held) > 0.1
     page.mouse.up()
     page.keyboard.press(" ")
     assert page.evaluate("page.state.paused")
     run(page, 4.0)
-    assert abs(page.evaluate("page.motion.loop.signals[2]")) < 0.01  # it is balanced again
+    assert abs(page.evaluate("page.source.signals[2]")) < 0.01  # it is balanced again
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("ArrowRight")
     run(page, 0.1)
-    assert page.evaluate("page.motion.loop.signals[1]") > 0.1
+    assert page.evaluate("page.source.signals[1]") > 0.1
     page.keyboard.press("r")
-    assert page.evaluate("[page.motion.loop.time, page.motion.loop.signals[0]]") == [0, 0]
+    assert page.evaluate("[page.source.time, page.source.signals[0]]") == [0, 0]
     page.locator("fieldset input").first.focus()
     page.keyboard.press("ArrowDown")
     page.keyboard.press("ArrowDown")

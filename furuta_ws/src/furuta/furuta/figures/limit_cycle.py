@@ -8,11 +8,11 @@ import numpy as np
 from furuta.axis.simulation import AxisRecord
 from furuta.figures.figure import (
     ARM,
-    CONTROL,
     ESTIMATE,
     FRICTION,
     PENDULUM,
     REFERENCE,
+    VOLTAGE,
     axis_label,
     saved_figure,
     style_axis,
@@ -92,8 +92,8 @@ def _draw_cycle(
     time = np.concatenate([motion.time + k * motion.time[-1] for k in range(periods)])
     phi = motion.state[:, PHI]
     position.plot(time, np.tile(phi, periods), color=ARM)
-    force.plot(time, np.tile(motion.control, periods), color=CONTROL, label="control")
-    force.plot(time, np.tile(motion.friction, periods), color=FRICTION, label="friction")
+    force.plot(time, np.tile(motion.control, periods), color=VOLTAGE, label="voltage u")
+    force.plot(time, np.tile(motion.friction, periods), color=FRICTION, label="friction F")
     force.legend()
     plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 

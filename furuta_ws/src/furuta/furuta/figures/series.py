@@ -8,11 +8,12 @@ import numpy as np
 
 from furuta.figures.figure import (
     ARM,
-    CONTROL,
     ESTIMATE,
     FRICTION,
+    FRICTION_ESTIMATE,
     MEASURED,
     PENDULUM,
+    VOLTAGE,
     legend_outside,
     saved_figure,
     style_time_series,
@@ -35,10 +36,10 @@ COLUMNS: dict[str, dict[str, dict[str, Any]]] = {
         "true_theta_rad": {"label": "true", "lw": 1.6, "color": PENDULUM},
         "estimated_theta_rad": {"label": "estimated", "lw": 0.8, "color": ESTIMATE},
     },
-    "control u [V]": {"command_v": {"label": "command", "lw": 0.8, "color": CONTROL}},
+    "voltage u [V]": {"command_v": {"label": "command", "lw": 0.8, "color": VOLTAGE}},
     "friction [V]": {
         "true_friction_v": {"label": "true F", "lw": 2.4, "alpha": 0.7, "color": FRICTION},
-        "friction_estimate_v": {"label": "estimate of F", "lw": 0.6, "color": ESTIMATE},
+        "friction_estimate_v": {"label": "estimate F̂", "lw": 0.8, "color": FRICTION_ESTIMATE},
     },
 }
 TITLES = {

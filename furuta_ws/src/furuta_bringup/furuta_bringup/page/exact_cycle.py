@@ -28,11 +28,6 @@ def model_of(values: Values) -> FurutaPendulum:
     return FurutaPendulum()
 
 
-def encoder_counts(values: Values) -> int:
-    """Counts per turn of the arm's encoder; 0 if there is none, or it is not known."""
-    return int(values.get(ESTIMATOR, {}).get("sensors.encoder_counts", 0))
-
-
 def analysed_loop(values: Values) -> IdealLoop | None:
     """The loop whose cycle is exact; None if it is none, or parameters are missing.
 
