@@ -1,6 +1,7 @@
 """``furuta view`` as a user has it: the page of a running graph in a headless Chromium."""
 
 import os
+import re
 import signal
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,8 +13,9 @@ from page_scenes import check_every_scene
 
 pytestmark = pytest.mark.timeout(900)
 SWING = "page.motion.remaining === 0 && page.motion.size * 180 / Math.PI"
+# A motion that began with a pendulum that leans.
+PUT = "page.motion.rows.length > 3 && Math.abs(page.motion.rows[0][3]) > 0.2"
 COMPENSATION = "knob-friction_observer.compensation"
-EXPECTED = "knob-friction_observer.alpha0"
 NODES_OF_SCENES = ("controller", "estimator", "friction_observer")
 
 
@@ -80,16 +82,27 @@ def opened(browser: Any, address: str, *size: int) -> Page:
 def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: Any) -> None:
     """It moves, makes the limit cycle disappear, shows a refusal, and does not hold up the graph.
 
-    Another page shows the same. If the server is killed, the page says so and the graph runs on.
+    It starts in real time. Another page shows the same, also a reset and where the pendulum is put.
+    If the server is killed, the page says so and the graph runs on.
     """
     process, address = started(processes, "--", "--lockstep")
     page, other = opened(browser, address), opened(browser, address, 390, 844)
+    assert page.page.locator("#speed option:checked").inner_text() == "real time"
     before = page.wait(lambda: page.page.evaluate(SWING), "the limit cycle")
     assert 25.0 < before < 35.0
+    page.wait(lambda: "period 2.3" in page.text("#figures"), "the period")
     page.page.locator(f"[id='{COMPENSATION}']").select_option("lugre")
     page.wait(lambda: 0 < (page.page.evaluate(SWING) or before) < before / 10, "a smaller swing")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
     assert other.page.locator(f"[id='{COMPENSATION}']").input_value() == "lugre"
+
+    page.page.evaluate("page.motion.reset()")
+    other.wait(lambda: other.page.evaluate("page.motion.remaining > 5"), "a new measurement")
+    page.page.evaluate("page.motion.reset(0.2, -0.25)")
+    angles = "[1, 3].map(i => page.motion.rows[0][i])"
+    for each in (page, other):
+        each.wait(lambda each=each: each.page.evaluate(PUT), "the pendulum where it was put")
+        assert each.page.evaluate(angles) == pytest.approx([0.2, -0.25], abs=0.02)
 
     page.page.evaluate("document.querySelector('#more').open = true")
     page.page.locator("#search").fill("observer alpha1")
@@ -101,8 +114,11 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     assert "100" in reason
     assert float(box.input_value()) < 1.0
     assert page.errors == []
-    allowed = (address, f"blob:{address}", address.replace("http", "ws"))
+    allowed = (address, f"blob:{address}", "data:", address.replace("http", "ws"))
     assert all(each.startswith(allowed) for each in page.requests), page.requests
+    for each in (page, other):
+        assert each.serious_violations("body") == []
+        assert each.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)
     os.kill(of_page, signal.SIGKILL)
@@ -126,7 +142,7 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
         page.wait(lambda: shown.evaluate("page.motion.result") is not None, "a result")
 
     page.press("1 Watch")
-    page.press("max")
+    page.page.locator("#speed").select_option("as fast as possible")
     check_every_scene(page.page, run)
     page.page.locator("fieldset label").last.click()
     page.wait(
@@ -158,6 +174,10 @@ def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> 
     page.wait(has_been_armed, "armed")
     assert page.page.locator("#scene").is_hidden()
     assert page.text("#now-f") == "–"
+    assert page.page.get_by_role("button", name=re.compile("Disarm")).count() == 1
+    assert page.page.locator("#reset").is_hidden()
+    shown = page.wait(lambda: re.search(r"t = ([0-9.]+) s", page.text(".hint")), "the time")
+    assert float(shown[1]) < 1000.0  # since the start, not since 1970
     page.press("Disarm: 0 V")
     page.wait(lambda: "not armed" in page.text("#rig"), "disarmed")
     assert page.errors == []

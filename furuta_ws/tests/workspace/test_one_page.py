@@ -13,7 +13,7 @@ import numpy as np
 import page_designs as designs
 import pytest
 from browser import OPTIONS, browser_path
-from one_page import BUNDLER, HERE, build
+from one_page import BUNDLER, WEB, build, library
 from page_scenes import check_every_scene
 
 from furuta_model.parts.disturbances import Pushes
@@ -97,13 +97,20 @@ def page(browser: Any, page_file: Path) -> Any:
 
 
 def test_it_is_small_and_asks_for_nothing(page: Any, page_file: Path) -> None:
-    """Below 1 MB, and one request: that for the file. Its own policy allows no other one."""
-    assert page_file.stat().st_size < 1e6
-    assert page.requests == [page_file.as_uri()]
+    """At most 700 kB, and one request: that for the file. Its own policy allows no other one."""
+    assert page_file.stat().st_size < 7e5
+    assert [each for each in page.requests if not each.startswith("data:")] == [page_file.as_uri()]
     assert not page.failures
     assert "default-src 'none'" in page_file.read_text()
-    own = "".join(file.read_text() for file in HERE.glob("page.*"))
-    assert not re.search(r"(?:src|href)=|url\(|fetch\(|https?:", own)
+    own = "".join(file.read_text() for file in WEB.glob("*.[jhc][st]*") if file.stem != "three")
+    assert not re.search(r"url\(|fetch\(|https?:", own)
+    assert {"page.css", "page.js", "data:,"} == set(re.findall(r'(?:src|href)="([^"]*)"', own))
+
+
+def test_three_js_in_the_package_is_what_the_stage_uses() -> None:
+    """Of the version of package.json, with its licence."""
+    for name, content in library().items():
+        assert (WEB / name).read_text() == content
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -139,7 +146,7 @@ def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> Non
     assert page.locator("#knob-compensation").input_value() == "lugre"
     assert page.locator("#sliders output").first.inner_text() == "0.42 V"
     pressed = page.locator("#chips [aria-pressed=true]")
-    assert pressed.all_inner_texts() == ["twice the friction", "a late motor"]
+    assert pressed.all_inner_texts() == ["twice the friction", "a slow motor"]
     assert page.locator("fieldset label").last.inner_text().startswith("your settings")
     pressed.last.click()
     page.locator("#share").click()

@@ -106,8 +106,9 @@ class LiveNode(Node):
 
     def collect(self) -> None:
         """Take what has arrived since the last call."""
-        for beginning in _take(self._beginnings):
-            self._tell_beginning(beginning)
+        # What began before the newest states is taken before them, so that none of the motion before
+        # comes after it, and told last.
+        beginnings = list(_take(self._beginnings))
         states = list(self._state.take())
         estimates, commands = self._estimate.numbers(), self._command.numbers()
         for index, message in enumerate(states):
@@ -119,6 +120,8 @@ class LiveNode(Node):
             self.timing = timing
         for message in _messages(self._diagnostics):
             self._keep_status(message)
+        for beginning in beginnings:
+            self._tell_beginning(beginning)
 
     def _tell_beginning(self, serialized: bytes) -> None:
         with suppress(RefusedError):

@@ -84,6 +84,7 @@ class LivePage:
         self._analysed: IdealLoop | None = None
         self._time: float | None = None
         self._received = 0.0
+        self._began: list[float] | None = None
         self._is_paced = False
         server.received, server.history = self._hear, self._history
         server.tell(cycle=None)
@@ -120,10 +121,15 @@ class LivePage:
             self._later.get()()
         self._node.collect()
         rows, self._node.samples.new = self._node.samples.new, []
+        began, self._began = self._began, None
         if rows:
             self._time, self._received = float(rows[-1][TIME]), monotonic()
             self._server.tell(zero=self._zero(float(rows[0][TIME])))
             self._server.send(np.array(rows).tobytes())
+        if began:
+            self._server.known["since"] = began[0]
+            self._time = self._time and max(self._time, began[0])
+            self._server.say(began=began)
         self._pace(self._time or 0.0)  # a plant that was left paused, and sends nothing, continues
         if number % SEARCH_EVERY == 0:
             self._node.choose_topics()
@@ -198,10 +204,7 @@ class LivePage:
 
     def _begin(self, time: float, phi: float, theta: float) -> None:
         """Tell that a new motion begins, whoever has reset the plant."""
-        if self._time is not None:
-            self._time = max(self._time, time)
-        self._server.known["since"] = time
-        self._server.say(began=[time, phi, theta])
+        self._began = [time, phi, theta]
 
     def _request(self, key: str, work: Work) -> None:
         self._link.requests.submit(key, work, self._fail)
