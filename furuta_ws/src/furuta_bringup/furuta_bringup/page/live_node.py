@@ -106,8 +106,8 @@ class LiveNode(Node):
 
     def collect(self) -> None:
         """Take what has arrived since the last call."""
-        # What began before the newest states is taken before them, so that none of the motion before
-        # comes after it, and told last.
+        # A beginning is taken before the states and told after them: none of the motion before it
+        # comes later.
         beginnings = list(_take(self._beginnings))
         states = list(self._state.take())
         estimates, commands = self._estimate.numbers(), self._command.numbers()

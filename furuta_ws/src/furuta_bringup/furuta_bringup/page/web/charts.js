@@ -115,8 +115,8 @@ export function chart(id, curves, { across, least, axes, dot, cursor }) {
     c.fill();
   };
   if (dot) point(dot.colour, x(dot.x), y(dot.y));
-  if (cursor) showValues();
   c.restore();
+  if (cursor) showValues();
 
   function showValues() {
     const place = (a, b) => [x(a), y(b)], overTime = Boolean(across), words = [];
@@ -127,11 +127,9 @@ export function chart(id, curves, { across, least, axes, dot, cursor }) {
       words.push(`${curve.symbol} ${shown(curve.y[i])}`);
       point(curve.colour, ...place(curve.x[i], curve.y[i]));
     }
-    const line = words.join("   "), long = c.measureText(line).width;
-    c.fillStyle = colour("card");
-    c.fillRect(width - RIGHT - long - 8, 0, long + 8, ABOVE - 4);
+    c.clearRect(0, 0, width, ABOVE - 6);
     c.fillStyle = colour("ink");
-    write(line, "right", width - RIGHT - 4, 7);
+    write(words.join("   "), "right", width - RIGHT, 7);
     if (!overTime) return;
     c.strokeStyle = colour("faint");
     c.lineWidth = 1;

@@ -236,6 +236,7 @@ function showNow() {
   $("now-theta").textContent = shown(now[THETA] / DEGREE, 1, "°");
   $("now-u").textContent = shown(now[U], 2, " V");
   $("now-f").textContent = shown(now[F], 2, " V");
+  $("key-f").hidden = Number.isNaN(now[F]);  // on a rig
 }
 
 function frame(now) {
@@ -281,6 +282,7 @@ function showPace() {
   }
   $("speed").selectedIndex = speeds.findIndex(([, speed]) => speed === state.speed);
   $("play").hidden = $("step").hidden = $("speed").hidden = !speeds.length;
+  document.querySelector(".bar").hidden = !speeds.length && !source.hasPlant;
   const [shape, label] = state.paused ? [PLAY, "Go on"] : [PAUSE, "Pause"];
   if ($("play").ariaLabel !== label) Object.assign($("play"), { innerHTML: shape, ariaLabel: label });
 }
@@ -401,14 +403,14 @@ function told({ nodes, values, place, status, cycle, failed, refused, began, sin
 function showWhatFits() {
   const { hasPlant, hasScenes } = source;
   for (const part of document.querySelectorAll("#scene, #scenes, #chips, #settings h2.small")) part.hidden = !hasScenes;
-  for (const part of document.querySelectorAll("#reset, .push, #pushes")) part.hidden = !hasPlant;
+  for (const part of document.querySelectorAll("#reset, .push, #pushes, #with-f")) part.hidden = !hasPlant;
 }
 
 function showStatus({ lost, speed, notices = [], rig, waiting: waits }) {
   if (speed !== undefined) Object.assign(state, speed === 0 ? { paused: true } : { paused: false, speed });
   showPace();
   $("waiting").hidden = !waits;
-  document.querySelector("main").hidden = Boolean(waits);
+  for (const part of document.querySelectorAll("main, .tools")) part.hidden = Boolean(waits);
   if (waits) [$("place").textContent, $("command").textContent] = [waits.place, waits.command];
   $("rig").hidden = !rig;
   if (rig) {
@@ -487,7 +489,7 @@ if (source.isHere) {
   showStatus({ notices: ["Connecting …"] });
   source.connect(told);
 }
-if (!drawing.stage) toast("This browser cannot draw in 3D (WebGL). All else works.");
+if (!drawing.stage) document.querySelector(".explains span").textContent = "This browser cannot draw in 3D (WebGL). All else works.";
 // For tests and the curious: open the console.
 window.page = { DATA, Loop, source, motion, drawing, state, results, tell, enter, choose };
 requestAnimationFrame(frame);

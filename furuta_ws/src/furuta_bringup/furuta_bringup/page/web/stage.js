@@ -183,7 +183,7 @@ export class Stage {
   // The words at the bottom of the stage, and on a narrow one those at the top, are left free.
   place() {
     const width = this.host.clientWidth, height = this.host.clientHeight, { camera, view } = this;
-    const top = width < 500 ? 90 : 0, free = Math.max(this.host.querySelector(".explains").offsetTop - top, height / 3);
+    const top = width < 500 ? 90 : 0, free = Math.max(this.host.querySelector(".foot").offsetTop - top, height / 3);
     const size = `${width} ${height} ${free} ${top} ${this.detail} ${devicePixelRatio} ${Object.values(view)}`;
     if (size === this.size) return;
     this.size = size;
