@@ -32,8 +32,8 @@ from page_designs import (
 from page_translation import Page, selected, translated
 
 import furuta
-from furuta.limit_cycles.periodic_orbit import trace
 from furuta.quantities import QUANTITIES
+from furuta_bringup.page.exact_cycle import described_cycle
 from furuta_hw.emulator.firmware_compiler import run_compiler
 
 ROOT = Path(__file__).parents[2]
@@ -182,26 +182,15 @@ BASE_VALUES = {
 def cycles() -> dict[str, Any]:
     """The exact cycle and its prediction without compensation, by friction level and first poles.
 
-    For each level with the usual poles, and for all poles at the usual level. ``orbit`` has arm
-    angle about its middle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's motion
-    peak to peak [rad].
+    For each level with the usual poles, and for all poles at the usual level.
     """
     levels, poles = (ALL_KNOBS[name].values for name in ("level", "omega1"))
     wanted = {(f"{level:g}", "1") for level in LEVELS} | {("1", pole) for pole in poles}
     found = {}
     for level, pole in sorted(wanted):
         loop = furuta.ideal_loop(loop_of({**levels[level], **poles[pole]}))
-        cycle = furuta.limit_cycle(loop)
-        predicted = furuta.predict_cycles(loop).cycles
-        if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s) or not predicted:
-            continue
-        orbit = trace(loop, cycle).state[:, :2]
-        orbit[:, 0] -= (orbit[:, 0].max() + orbit[:, 0].min()) / 2
-        found[f"{level} {pole}"] = {
-            "exact": cycle.phi_peak_to_peak_rad,
-            "predicted": predicted[-1].phi_peak_to_peak_rad,
-            "orbit": orbit[:: 1 + len(orbit) // 200].round(5).tolist(),
-        }
+        if cycle := described_cycle(loop):
+            found[f"{level} {pole}"] = cycle
     return found
 
 

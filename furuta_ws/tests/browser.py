@@ -76,7 +76,10 @@ class Page:
 
 @contextmanager
 def open_browser() -> Iterator[Callable[..., Page]]:
-    """A function that opens an address in a page of a width and height [pixels]."""
+    """A function that opens an address in a page of a width and height [pixels].
+
+    Further arguments are those of a context of playwright.
+    """
     path = browser_path()
     from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not where it is skipped
 
@@ -84,9 +87,9 @@ def open_browser() -> Iterator[Callable[..., Page]]:
         browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
         try:
 
-            def show(address: str, width: int = 1280, height: int = 800) -> Page:
+            def show(address: str, width: int = 1280, height: int = 800, **about: Any) -> Page:
                 size: Any = {"width": width, "height": height}
-                return Page(browser.new_page(viewport=size), address)
+                return Page(browser.new_page(viewport=size, **about), address)
 
             yield show
         finally:

@@ -18,7 +18,7 @@ SEEN = """() => { page.tell(); const { rows } = page.motion, end = rows.at(-1)[0
     const row = of("fieldset label:has(:checked)"), printed = row.querySelector("output");
     return { swing: Math.max(...phi) - Math.min(...phi), exact: page.source.cycle?.exact,
         step: row.querySelector("span").textContent, printed: printed.textContent,
-        big: of("#swing").textContent, look: of(".look").textContent,
+        big: of("#swing").textContent, said: of("#said").textContent, look: of(".look").textContent,
         known: of(".known b")?.textContent, fallen: !of("#fallen").hidden,
         cosine: Math.cos(page.source.now[3]) }; }"""
 
@@ -35,6 +35,7 @@ def check_every_scene(page: Any, run: Callable[[Any, float], None]) -> None:
             run(page, 27.5)
             seen = page.evaluate(SEEN)
             assert (seen["step"], seen["look"]) == (step["name"], step["look"])
+            assert seen["said"].startswith(f"{step['name']}: ")
             if step["name"] == "push on the pendulum":
                 assert seen["printed"] == "fell"
                 assert seen["fallen"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from furuta_bringup.page.described import Described, slider_range
-from furuta_bringup.page.exact_cycle import analysed_loop, exact_cycle
+from furuta_bringup.page.exact_cycle import analysed_loop, described_cycle
 from furuta_bringup.page.jobs import Jobs
 from furuta_bringup.page.pacer import FOREVER, Pacer
 from furuta_bringup.page.samples import COLUMNS, PHI, THETA, TIME, Samples
@@ -100,9 +100,10 @@ def test_exact_cycle_is_that_of_the_parameters() -> None:
     values: dict[str, dict[str, float]] = {"plant": {}, "controller": {}}
     loop = analysed_loop(values)
     assert loop is not None
-    cycle = exact_cycle(loop)
+    cycle = described_cycle(loop)
     assert cycle is not None
-    assert np.ptp(cycle[:, 1]) == pytest.approx(0.510, abs=2e-3)
+    assert cycle["exact"] == pytest.approx(0.510, abs=2e-3)
+    assert np.ptp(cycle["orbit"], axis=0)[0] == pytest.approx(cycle["exact"], rel=0.01)
     assert analysed_loop({"controller": {}, "friction_observer": {}}) == loop
     assert analysed_loop({"estimator": {}}) is None
     assert analysed_loop(values | {"plant": {"tilt.x": 0.1}}) is None  # the plant is another one

@@ -6,13 +6,14 @@ import base64
 import csv
 import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import page_designs as designs
 import pytest
-from browser import OPTIONS, browser_path
+from browser import open_browser
 from one_page import BUNDLER, WEB, build, library
 from page_scenes import check_every_scene
 
@@ -68,39 +69,28 @@ def assert_same(results: np.ndarray, expected: np.ndarray) -> None:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """Chromium."""
-    path = browser_path()
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not where it is skipped
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
-        yield browser
-        browser.close()
-
-
-def opened(browser: Any, file: Path, end: str = "", **context: Any) -> Any:
-    """The page without a network, with ``failures`` and ``requests`` as lists."""
-    size = {"width": 1280, "height": 800}
-    page: Any = browser.new_context(offline=True, **{"viewport": size, **context}).new_page()
-    page.failures, page.requests = [], []
-    page.on("pageerror", lambda error: page.failures.append(str(error)))
-    page.on("request", lambda request: page.requests.append(request.url))
-    page.goto(file.as_uri() + end)
-    page.wait_for_selector("#scene h2")
-    return page
+    """Opens pages without a network."""
+    with open_browser() as show:
+        yield partial(show, offline=True)
 
 
 @pytest.fixture(scope="module")
-def page(browser: Any, page_file: Path) -> Any:
+def opened(browser: Any, page_file: Path) -> Any:
     """The page, opened once."""
-    return opened(browser, page_file)
+    return browser(page_file.as_uri())
 
 
-def test_it_is_small_and_asks_for_nothing(page: Any, page_file: Path) -> None:
+@pytest.fixture
+def page(opened: Any) -> Any:
+    """The same for playwright."""
+    return opened.page
+
+
+def test_it_is_small_and_asks_for_nothing(opened: Any, page_file: Path) -> None:
     """At most 700 kB, and one request: that for the file. Its own policy allows no other one."""
     assert page_file.stat().st_size < 7e5
-    assert [each for each in page.requests if not each.startswith("data:")] == [page_file.as_uri()]
-    assert not page.failures
+    assert opened.requests == [page_file.as_uri()]
+    assert opened.errors == []
     assert "default-src 'none'" in page_file.read_text()
     own = "".join(file.read_text() for file in WEB.glob("*.[jhc][st]*") if file.stem != "three")
     assert not re.search(r"url\(|fetch\(|https?:", own)
@@ -133,16 +123,17 @@ def run(page: Any, seconds: float) -> None:
     page.evaluate(f"page.motion.advance({seconds * SECOND}); page.tell()")
 
 
-def test_every_scene_to_its_end(page: Any) -> None:
+def test_every_scene_to_its_end(opened: Any, page: Any) -> None:
     """As the page computes it."""
     page.evaluate("page.state.paused = true; page.enter(0, 0)")
     check_every_scene(page, run)
-    assert not page.failures
+    assert opened.errors == []
 
 
 def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> None:
     """A shared link shows the same; a wrong one is refused with its reason."""
-    page = opened(browser, page_file, "#scene=2&level=2&compensation=lugre&motor=late")
+    shown = browser(page_file.as_uri() + "#scene=2&level=2&compensation=lugre&motor=late")
+    page = shown.page
     assert page.locator("#knob-compensation").input_value() == "lugre"
     assert page.locator("#sliders output").first.inner_text() == "0.42 V"
     pressed = page.locator("#chips [aria-pressed=true]")
@@ -160,7 +151,7 @@ def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> Non
     with page.expect_download() as picture:
         page.locator("#picture").click()
     assert Path(picture.value.path()).read_bytes()[:4] == b"\x89PNG"
-    assert not page.failures
+    assert shown.errors == []
 
 
 def test_the_pendulum_can_be_grabbed(page: Any) -> None:
@@ -194,17 +185,13 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
 def test_everybody_can_use_it(browser: Any, page_file: Path, width: int, scheme: str) -> None:
     """Axe-core finds nothing serious, nothing is wider than the page, and motion can wait."""
-    size = {"width": width, "height": 844}
-    about = {"viewport": size, "color_scheme": scheme, "reduced_motion": "reduce"}
-    page = opened(browser, page_file, "#scene=4&step=1", **about)
+    about = {"color_scheme": scheme, "reduced_motion": "reduce"}
+    shown = browser(page_file.as_uri() + "#scene=4&step=1", width, 844, **about)
+    page = shown.page
     assert page.evaluate("page.state.paused")
     page.evaluate(
         "page.motion.advance(9000); page.tell(); document.querySelector('#more').open = true"
     )
     assert page.evaluate("document.documentElement.scrollWidth") == width
-    reason = "axe-playwright-python is not installed; `make test` installs it"
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason=reason).Axe()
-    found = axe.run(page).response["violations"]
-    serious = [each for each in found if each["impact"] in ("serious", "critical")]
-    assert serious == []
-    page.context.close()
+    assert shown.serious_violations("body") == []
+    page.close()

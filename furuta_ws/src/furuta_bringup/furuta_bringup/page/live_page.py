@@ -16,13 +16,7 @@ import numpy as np
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.settings.nodes import CONTROLLER, HARDWARE_BRIDGE, PLANT
 from furuta_bringup.options import tell_graph
-from furuta_bringup.page.exact_cycle import (
-    analysed_loop,
-    cycle_size,
-    exact_cycle,
-    model_of,
-    predicted_size,
-)
+from furuta_bringup.page.exact_cycle import analysed_loop, described_cycle, model_of
 from furuta_bringup.page.graph_link import END_TIMEOUT, GraphLink
 from furuta_bringup.page.guided_scenes import CONTENT, expanded_values, scene_names
 from furuta_bringup.page.jobs import Work
@@ -43,7 +37,6 @@ PERIOD = 1.0 / 50.0
 STATUS_EVERY, SEARCH_EVERY, MISSING = 10, 50, 250
 OLDEST = 2.0  # age of a sample after which the graph is silent [s]
 SHOWN = 10.0  # seconds on the charts
-POINTS = 200  # of the exact cycle
 FASTEST = 1000.0  # that a page may ask for, in multiples of real time
 PUSHES = ("pushes.arm", "pushes.pendulum")
 MODE = f"{CONTROLLER}.mode"
@@ -258,7 +251,7 @@ class LivePage:
             self._link.computation.submit("cycle", partial(self._compute_cycle, loop))
 
     def _compute_cycle(self, loop: IdealLoop | None) -> None:
-        found = _cycle_of(loop) if loop else None
+        found = described_cycle(loop) if loop else None
         self._later.put(lambda: self._server.tell(cycle=found) if loop is self._analysed else None)
 
 
@@ -275,14 +268,3 @@ def is_place(value: Any) -> bool:
             scenes = CONTENT["scenes"]
             return 0 <= scene < len(scenes) and 0 <= step < len(scenes[scene]["steps"])
     return False
-
-
-def _cycle_of(loop: IdealLoop) -> dict[str, Any] | None:
-    """The exact cycle and its prediction for the page, as `one_page.py` has them; or none."""
-    cycle, predicted = exact_cycle(loop), predicted_size(loop)
-    if cycle is None or predicted is None:
-        return None
-    orbit = cycle[:: 1 + len(cycle) // POINTS, 1:3].copy()
-    orbit[:, 0] -= (cycle[:, 1].max() + cycle[:, 1].min()) / 2
-    exact = cycle_size(cycle)
-    return {"exact": exact, "predicted": predicted, "orbit": orbit.round(5).tolist()}

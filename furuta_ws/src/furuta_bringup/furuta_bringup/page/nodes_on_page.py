@@ -126,6 +126,8 @@ class NodesOnPage:
         names = [f"{node}.{name}" for node, own in self.values.items() for name in own]
         values = {name: self.shown(name) for name in names}
         base = {k: v for k, v in values.items() if k.partition(".")[0] in new}
+        if PLANT in new:  # another graph, with a time of its own
+            self._server.known.pop("zero", None)
         place = None if PLANT in new else self._server.known.get("place")
         self._server.tell(
             values=values,
