@@ -8,9 +8,7 @@ from furuta_model.parameters import ParameterError, number_from_text
 from furuta_ros.yaml_files import parse_yaml
 
 CHOICES = "one of "
-# A range of at most this many times the value is a slider's range as it is.
-WHOLE_RANGE = 20.0
-# Otherwise the slider reaches so many times the value.
+# A slider reaches so many times the value.
 REACH = 3.0
 # Steps of a slider.
 STEPS = 1000
@@ -105,16 +103,11 @@ def is_number(value: Any) -> bool:
 def slider_range(value: float, low: float, high: float) -> tuple[float, float, float]:
     """Ends and step of a slider that moves ``value`` within the allowed range.
 
-    The allowed range can be millions of times as wide as any useful value. The slider then reaches
-    a few times the present one, or far from 0, which tells no size. Of a whole number all three are
-    whole.
+    The allowed range can be millions of times as wide as any useful value. So the slider reaches a
+    few times the present one.
     """
-    reach = REACH * abs(value) or WHOLE_RANGE
-    if not high - low <= WHOLE_RANGE * (abs(value) or 1.0):
-        power = 10.0 ** math.floor(math.log10(reach))
-        reach = math.ceil(reach / power - 1e-9) * power  # rounded up
-        low, high = max(low, 0.0 if value > 0.0 and low == -math.inf else -reach), min(high, reach)
-    low, high = min(low, value), max(high, value)
-    if isinstance(value, int):
-        return math.floor(low), math.ceil(high), 1
-    return low, high, 10.0 ** math.floor(math.log10((high - low or 1.0) / STEPS))
+    reach = REACH * abs(value) or 1.0
+    power = 10.0 ** math.floor(math.log10(reach))
+    reach = math.ceil(reach / power - 1e-9) * power  # rounded up
+    low, high = max(low, 0.0 if value >= 0.0 else -reach), min(high, reach)
+    return low, high, 10.0 ** math.floor(math.log10((high - low) / STEPS))

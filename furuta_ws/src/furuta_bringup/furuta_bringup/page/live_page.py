@@ -185,10 +185,10 @@ class LivePage:
                 self._request("reset", self._link.reset)
             case {"put": [phi, theta]} if is_finite(phi) and is_finite(theta):
                 self._request("reset", partial(self._link.put, float(phi), float(theta)))
-            case {"speed": speed} if speed is None or (is_finite(speed) and 0 <= speed <= FASTEST):
+            case {"speed": speed} if self._lockstep and is_speed(speed):
                 self._pacer.pace(speed, self._time or 0.0)
                 self._server.tell(status=self._status())
-            case {"step": True}:
+            case {"step": True} if self._lockstep:
                 self._pacer.step(self._time or 0.0)
                 self._server.tell(status=self._status())
             case {"arm": bool(armed)}:
@@ -259,6 +259,11 @@ def is_finite(value: Any) -> bool:
     """Whether a value from a page is a number that a node can take."""
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     return is_number and abs(value) < FOREVER and isfinite(value)
+
+
+def is_speed(value: Any) -> bool:
+    """Whether a value from a page is a multiple of real time, or None: as fast as possible."""
+    return value is None or (is_finite(value) and 0.0 <= value <= FASTEST)
 
 
 def is_place(value: Any) -> bool:

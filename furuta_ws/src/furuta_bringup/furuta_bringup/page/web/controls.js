@@ -110,7 +110,9 @@ export class Controls {
   // Shows what has all words of the search.
   find() {
     const words = this.search.value.toLowerCase().split(/\s+/).filter(Boolean);
-    for (const { element, words: own } of this.all) element.hidden = !words.every((word) => own.includes(word)) && !element.closest("#sliders");
+    for (const { element, words: own } of this.all) {
+      element.hidden = !element.closest("#sliders") && !words.every((word) => own.includes(word));
+    }
     for (const details of document.querySelectorAll("#knobs details")) {
       const found = details.querySelector(".knob:not([hidden])");
       details.hidden = !found;

@@ -10,7 +10,9 @@ const DETAILS = [[true, 1], [false, 1], [false, 0.75]];
 const USUAL = [0.24, 0.38];  // lengths of arm and pendulum while they are not known [m]
 const LATE = 45;  // a frame that comes later is late [ms]
 
-const AXES = { time: "time [s]", phi: "arm angle φ [°]", speed: "arm speed φ̇ [rad/s]", voltage: "voltage [V]", friction: "friction F [V]" };
+const AXES = {
+  time: "time [s]", phi: "arm angle φ [°]", speed: "arm speed φ̇ [rad/s]", voltage: "voltage [V]", friction: "friction F [V]",
+};
 
 const thinned = (rows, most) => {
   const every = Math.max(1, Math.floor(rows.length / most));
@@ -114,7 +116,9 @@ export class Drawing {
   frictions() {
     const rows = thinned(this.motion.newest(PLANE), 400), { now } = this.motion.source;
     const looks = [[F, "friction", 2.4, "F"], [F_HAT, "estimate", 1.4, "F̂"]];
-    const curves = looks.map(([i, colour, width, symbol]) => curve(rows, column(SPEED), column(i), colour, width, { symbol, across: "φ̇" }));
+    const curves = looks.map(([i, colour, width, symbol]) => {
+      return curve(rows, column(SPEED), column(i), colour, width, { symbol, across: "φ̇" });
+    });
     const [i, colour] = Number.isNaN(now[F]) ? looks[1] : looks[0], dot = { x: now[SPEED], y: now[i], colour };
     this.plane("frictions", curves, { x: 1, y: 0.2 }, [AXES.speed, AXES.friction], dot);
   }

@@ -12,9 +12,11 @@ import { F, F_HAT, PHI, THETA, U, wrapped } from "./source.js";
 const DATA = await unpacked(document.getElementById("data").textContent);
 const PUSHES = { arm: 2, pendulum: 0.3 };  // for 0.1 s [V], as the user has set them
 const PUSH_RANGE = { min: 0.1, max: 5, step: 0.1 };
+const NO_WEBGL = "This browser cannot draw in 3D (WebGL). All else works.";
+const OWN_LOOK = "These are your own settings. Choose another line to come back to the scene.";
 const SLOW = 0.9;  // share of the wanted speed below which the page says so
 const LONG_BAR = 5 * DEGREE;  // a swing whose bar may fill its line
-const PAUSE = '<svg viewBox="0 0 16 16"><rect x="3" y="2" width="4" height="12" rx="1"/><rect x="9" y="2" width="4" height="12" rx="1"/></svg>';
+const PAUSE = '<svg viewBox="0 0 16 16"><path d="M3 2h4v12H3zM9 2h4v12H9z"/></svg>';
 const PLAY = '<svg viewBox="0 0 16 16"><path d="M4 2v12l10-6z"/></svg>';
 
 const $ = (id) => document.getElementById(id);
@@ -75,7 +77,8 @@ function show() {
 
 function next() {
   const step = state.step + 1;
-  enter(...(step < DATA.scenes[state.scene].steps.length ? [state.scene, step] : [(state.scene + 1) % DATA.scenes.length, 0]));
+  const isLast = step === DATA.scenes[state.scene].steps.length;
+  enter(...(isLast ? [(state.scene + 1) % DATA.scenes.length, 0] : [state.scene, step]));
 }
 
 function back() {
@@ -107,7 +110,7 @@ function showScene() {
       const { cycle } = source, words = { undefined: "not for these settings", null: "no cycle", computing: "computing …" };
       return make("div", { className: "known" }, name, make("b", { textContent: words[cycle] ?? degrees(cycle[key]) }));
     }) : [];
-  const look = state.isOwn ? "These are your own settings. Choose another line to come back to the scene." : steps[state.step].look;
+  const look = state.isOwn ? OWN_LOOK : steps[state.step].look;
   const following = DATA.scenes[state.scene + 1];
   const isLast = state.step === steps.length - 1;
   const onward = !isLast ? "Next step" : following ? `Next: ${following.name}` : "Begin again";
@@ -158,7 +161,9 @@ function makeKnobs() {
 }
 
 function showWords() {
-  for (const [word, meaning] of Object.entries(DATA.words)) $("words").append(make("dt", { textContent: word }), make("dd", { textContent: meaning }));
+  for (const [word, meaning] of Object.entries(DATA.words)) {
+    $("words").append(make("dt", { textContent: word }), make("dd", { textContent: meaning }));
+  }
 }
 
 // Keeps what has been measured, and says it when it is new. A fall that the user has caused says nothing of the step.
@@ -169,8 +174,9 @@ function keep(result) {
   else results[state.scene][state.step] = result;
   if (known !== null && state.said) return;
   state.said = true;
+  const { name, was } = motion, before = was ? `; before, ${was.name}: ${degrees(was.size)}` : "";
   const size = result === "fell" ? "the pendulum fell" : `the arm swings ${degrees(result)}, ${counts(result)}`;
-  $("said").textContent = `${motion.name}: ${size}${motion.was ? `; before, ${motion.was.name}: ${degrees(motion.was.size)}` : ""}`;
+  $("said").textContent = `${name}: ${size}${before}`;
 }
 
 // What is told in words and numbers, a few times a second.
@@ -214,7 +220,8 @@ function showTime() {
   }
   const { factor } = pace, wanted = state.speed ?? 0, words = [title];
   if (!Number.isNaN(time)) words.push(`t = ${text(time - zero, 1)} s`);
-  if (!state.paused && factor > 0 && (!source.isHere || factor < SLOW * wanted)) words.push(`${text(factor, factor < 9.95 ? 1 : 0)} × real time`);
+  const tellsSpeed = !state.paused && factor > 0 && (!source.isHere || factor < SLOW * wanted);
+  if (tellsSpeed) words.push(`${text(factor, factor < 9.95 ? 1 : 0)} × real time`);
   if (late) words.push(`late samples ${late}`);
   document.querySelector(".hint").textContent = lost || waits ? "" : words.filter(Boolean).join(" · ");
 }
@@ -252,6 +259,7 @@ function frame(now) {
 // Buttons and keys
 
 function setPaused(paused) {
+  if (!source.speeds.length) return;
   state.paused = paused;
   source.pace(paused ? 0 : state.speed);
   showPace();
@@ -349,8 +357,10 @@ function link() {
 // What the saved picture shows: the step, or the settings that differ.
 function caption() {
   if (!state.isOwn) return `${DATA.scenes[state.scene].title}: ${motion.name}`;
-  const named = source.knobs.filter(({ name }) => name in source.base && String(source.values[name]) !== String(source.base[name]));
-  const words = named.map(({ name, title, values, words: all }) => `${title} ${all?.[values?.indexOf(source.values[name])] ?? source.values[name]}`);
+  const { values, base, knobs } = source;
+  const changed = knobs.filter(({ name }) => name in base && String(values[name]) !== String(base[name]));
+  const word = ({ name, values: all, words }) => words?.[all?.indexOf(values[name])] ?? values[name];
+  const words = changed.map((knob) => `${knob.title} ${word(knob)}`);
   return `${own.name}: ${words.slice(0, 4).join(", ") || "as at the start"}`;
 }
 
@@ -425,7 +435,8 @@ function showStatus({ lost, speed, notices = [], rig, waiting: waits }) {
 }
 
 const KEYS = {
-  " ": () => setPaused(!state.paused), r: () => motion.reset(), n: next, b: back, p: () => pushPart("pendulum", 1), P: () => pushPart("pendulum", -1), ".": step,
+  " ": () => setPaused(!state.paused), ".": step, r: () => source.hasPlant && motion.reset(), n: next, b: back,
+  p: () => pushPart("pendulum", 1), P: () => pushPart("pendulum", -1),
   "+": () => drawing.stage?.zoom(0.9), "-": () => drawing.stage?.zoom(1.1), Escape: () => enlarge(null),
   ArrowLeft: () => pushPart("arm", -1), ArrowRight: () => pushPart("arm", 1),
   ...Object.fromEntries(DATA.scenes.map((_, i) => [String(i + 1), () => enter(i, 0)])),
@@ -433,7 +444,8 @@ const KEYS = {
 document.onkeydown = (event) => {
   const native = { BUTTON: [" "], SUMMARY: [" "], INPUT: [" ", "ArrowLeft", "ArrowRight"], SELECT: Object.keys(KEYS) };
   const isTyped = event.target.matches("input[type=text], input[type=search]") && event.key !== "Escape";
-  if (isTyped || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key] || native[event.target.tagName]?.includes(event.key)) return;
+  const isNative = native[event.target.tagName]?.includes(event.key) || event.ctrlKey || event.metaKey || event.altKey;
+  if (isTyped || isNative || !KEYS[event.key]) return;
   KEYS[event.key]();
   event.preventDefault();
 };
@@ -489,7 +501,7 @@ if (source.isHere) {
   showStatus({ notices: ["Connecting …"] });
   source.connect(told);
 }
-if (!drawing.stage) document.querySelector(".explains span").textContent = "This browser cannot draw in 3D (WebGL). All else works.";
+if (!drawing.stage) document.querySelector(".explains span").textContent = NO_WEBGL;
 // For tests and the curious: open the console.
 window.page = { DATA, Loop, source, motion, drawing, state, results, tell, enter, choose };
 requestAnimationFrame(frame);
