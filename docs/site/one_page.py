@@ -122,8 +122,7 @@ def rank(knob: Knob) -> int:
 def shown(knob: Knob) -> dict[str, Any]:
     """A knob as the page shows it: one that multiplies a number is a slider that shows it."""
     plain = DECLARED["in_sight"].get(knob.shows, {})
-    if knob.name == "compensation":
-        plain = plain | {"words": DECLARED["compensations"]}
+    words = DECLARED["compensations"] if knob.name == "compensation" else knob.words
     idle = {
         other.name: value
         for name, value in plain.get("idle", {}).items()
@@ -137,7 +136,7 @@ def shown(knob: Knob) -> dict[str, Any]:
         "symbol": plain.get("symbol", ""),
         "meaning": knob.meaning,
         "values": list(knob.values),
-        "words": [plain.get("words", {}).get(value, value) for value in knob.values],
+        "words": [words.get(value, value) for value in knob.values],
         "initial": knob.initial,
         "unit": knob.unit,
         "in_sight": bool(plain) and knob.shows != STRENGTH,

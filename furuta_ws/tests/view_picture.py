@@ -19,6 +19,7 @@ def show_compensation(page: Page) -> None:
     page.wait(lambda: page.page.evaluate("page.motion.result"), "the limit cycle")
     page.page.evaluate(f"page.enter({COMPENSATE}, {LUGRE})")
     page.wait(lambda: page.page.evaluate("page.motion.result"), "less of it")
+    page.page.evaluate("page.tell()")
 
 
 def main(path: str, width: str = "1280", height: str = "800") -> None:

@@ -1,5 +1,5 @@
 // A running graph, by the server of `furuta view`: rows as numbers, all else as JSON.
-import { COLUMNS, F, F_HAT, PHI, THETA, TIME } from "./source.js";
+import { COLUMNS, F_HAT, PHI, THETA, TIME } from "./source.js";
 
 const AGAIN = 1000;  // between attempts to connect [ms]
 const MOST = 4000, KEPT = 1200;  // rows that wait for a page that does not draw, and those that it then gets
@@ -43,7 +43,7 @@ export class Graph {
     if (message.began) {
       const [time, phi, theta] = message.began;
       this.rows = this.rows.filter((row) => row[TIME] >= time);
-      Object.assign(this.now = Array(COLUMNS).fill(0).fill(NaN, F, F_HAT + 1), { [TIME]: time, [PHI]: phi, [THETA]: theta });
+      this.now = Object.assign(Array(COLUMNS).fill(0), { [TIME]: time, [PHI]: phi, [THETA]: theta, [F_HAT]: NaN });
     }
     this.told(message);
   }

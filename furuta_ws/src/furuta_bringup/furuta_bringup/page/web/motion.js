@@ -37,9 +37,10 @@ export class Motion {
     return this.fell && !this.source.swingsUp;
   }
 
-  // Seconds until the motion since the last change is measured.
+  // Seconds until the motion since the last change is measured; a graph may not have sent anything yet.
   get remaining() {
-    return Math.max(0, this.data.measured.settled - (this.time - this.since));
+    const passed = this.time - this.since || 0;
+    return Math.max(0, this.data.measured.settled - passed);
   }
 
   // The swing [rad], "fell", or null while it is being measured.
