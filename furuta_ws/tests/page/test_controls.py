@@ -4,6 +4,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from furuta_bringup.page.described import Described
+from furuta_bringup.page.nodes_on_page import plain
 from furuta_bringup.page.rig_status import rig_status
 from furuta_model.parameters import ParameterError
 
@@ -53,3 +54,9 @@ def test_other_values_are_refused(value: object, wrong: tuple[object, ...]) -> N
     for given in wrong:
         with pytest.raises(ParameterError, match="must be"):
             Described("name", value).accepted(given)
+
+
+def test_every_value_of_a_parameter_can_be_told() -> None:
+    """JSON in a browser has no infinite number and no bytes."""
+    told = plain([1.5, float("inf"), float("nan"), b"\x01", "a", True, None])
+    assert told == [1.5, "inf", "nan", "01", "a", True, None]

@@ -12,6 +12,16 @@ class Quantity(NamedTuple):
     light: str
     dark: str
 
+    @property
+    def title(self) -> str:
+        """Name and symbol."""
+        return f"{self.name} {self.symbol}"
+
+    @property
+    def axis(self) -> str:
+        """The same with the unit, for an axis."""
+        return f"{self.title} [{self.unit}]"
+
 
 QUANTITIES: Final = {
     "arm": Quantity("arm", "φ", "rad", "#1b68c7", "#5aa6ff"),

@@ -126,7 +126,8 @@ class LiveNode(Node):
     def _tell_beginning(self, serialized: bytes) -> None:
         with suppress(RefusedError):
             stamp, state = unpack_joint_state(serialized) or typed_joint_state(serialized)
-            self._on_beginning(stamp / NANOSECONDS, state[0], state[2])
+            if np.isfinite(state).all():
+                self._on_beginning(stamp / NANOSECONDS, state[0], state[2])
 
     def _add(self, serialized: bytes, estimate: float, command: float) -> None:
         """Keep a sample if the last one that was kept is old enough."""

@@ -1,6 +1,7 @@
 """Keeps what the page knows of the nodes' parameters the same as what the nodes have."""
 
 import contextlib
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any
@@ -75,7 +76,7 @@ class NodesOnPage:
         for each in (*event.changed_parameters, *event.new_parameters):
             if each.name in known:
                 with contextlib.suppress(RuntimeError):  # a type that ROS does not know
-                    self.values[node][each.name] = _plain(parameter_value_to_python(each.value))
+                    self.values[node][each.name] = parameter_value_to_python(each.value)
         names = {f"{node}.{name}" for name in changed if name in known} - {f"{PLANT}.{PACE}"}
         if names:
             new = {name: self.shown(name) for name in names | {COMPENSATION}}
@@ -98,7 +99,7 @@ class NodesOnPage:
 
     def shown(self, name: str) -> Any:
         """The same as the page shows it."""
-        return shown_compensation(self.values) if name == COMPENSATION else self.value(name)
+        return shown_compensation(self.values) if name == COMPENSATION else plain(self.value(name))
 
     def _describe(self, node: str) -> None:
         found = {each.name: each for each in self._link.described(node)}
@@ -107,7 +108,7 @@ class NodesOnPage:
     def _add(self, node: str, found: dict[str, Described]) -> None:
         is_new = node not in self._described
         self._described[node] = found
-        self.values[node] = {name: _plain(each.value) for name, each in found.items()}
+        self.values[node] = {name: each.value for name, each in found.items()}
         self._tell({node} if is_new else set())
 
     def _forget(self, gone: list[str]) -> None:
@@ -138,6 +139,10 @@ class NodesOnPage:
         self._changed()
 
 
-def _plain(value: Any) -> Any:
-    """A value of a parameter as JSON knows it."""
-    return value if isinstance(value, (bool, int, float, str)) or value is None else list(value)
+def plain(value: Any) -> Any:
+    """A value of a parameter as JSON knows it, which has no infinite number and no bytes."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if value is None or isinstance(value, (bool, int, str)):
+        return value
+    return value.hex() if isinstance(value, bytes) else [plain(each) for each in value]

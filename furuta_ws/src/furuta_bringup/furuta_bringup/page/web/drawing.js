@@ -89,6 +89,11 @@ export class Drawing {
     this.stage?.draw({ phi, theta, from, to, u: now[U], friction: now[F] });
   }
 
+  // The symbol of a quantity, at its values under the pointer.
+  symbol(name) {
+    return { symbol: this.motion.data.quantities[name].symbol };
+  }
+
   angles() {
     const { seconds, motion } = this, rows = thinned(motion.newest(seconds), 500), now = motion.time, curves = [];
     const old = motion.before, end = old?.rows.at(-1)?.[TIME] ?? 0;
@@ -96,15 +101,15 @@ export class Drawing {
       const behind = thinned(old.rows.filter((row) => row[TIME] - end > Math.max(-seconds, old.at - now)), 400);
       curves.push(curve(behind, before(end), angle(PHI), "was", 1.6, { isAngle: true }));
     }
-    curves.push(curve(rows, before(now), angle(THETA), "pendulum", 1.6, { symbol: "θ", isAngle: true }));
-    curves.push(curve(rows, before(now), angle(PHI), "arm", 2.2, { symbol: "φ", isAngle: true }));
+    curves.push(curve(rows, before(now), angle(THETA), "pendulum", 1.6, { ...this.symbol("pendulum"), isAngle: true }));
+    curves.push(curve(rows, before(now), angle(PHI), "arm", 2.2, { ...this.symbol("arm"), isAngle: true }));
     this.overTime("angles", curves, 5, "angle [°]");
   }
 
   voltages() {
     const rows = thinned(this.motion.newest(this.seconds), 500), time = before(this.motion.time);
-    const looks = [[U, "command", 1.2, "u"], [F, "friction", 2.4, "F"], [F_HAT, "estimate", 1.4, "F̂"]];
-    const curves = looks.map(([i, colour, width, symbol]) => curve(rows, time, column(i), colour, width, { symbol }));
+    const looks = [[U, "command", 1.2], [F, "friction", 2.4], [F_HAT, "estimate", 1.4]];
+    const curves = looks.map(([i, name, width]) => curve(rows, time, column(i), name, width, this.symbol(name)));
     this.overTime("voltages", curves, 0.4, AXES.voltage);
   }
 
@@ -115,9 +120,9 @@ export class Drawing {
 
   frictions() {
     const rows = thinned(this.motion.newest(PLANE), 400), { now } = this.motion.source;
-    const looks = [[F, "friction", 2.4, "F"], [F_HAT, "estimate", 1.4, "F̂"]];
-    const curves = looks.map(([i, colour, width, symbol]) => {
-      return curve(rows, column(SPEED), column(i), colour, width, { symbol, across: "φ̇" });
+    const looks = [[F, "friction", 2.4], [F_HAT, "estimate", 1.4]];
+    const curves = looks.map(([i, name, width]) => {
+      return curve(rows, column(SPEED), column(i), name, width, { ...this.symbol(name), across: "φ̇" });
     });
     const [i, colour] = Number.isNaN(now[F]) ? looks[1] : looks[0], dot = { x: now[SPEED], y: now[i], colour };
     this.plane("frictions", curves, { x: 1, y: 0.2 }, [AXES.speed, AXES.friction], dot);

@@ -470,6 +470,14 @@ if (drawing.stage) {
 }
 const isDark = matchMedia("(prefers-color-scheme: dark)");
 
+// The names of the quantities; that of the estimate is left out where there is little room.
+function nameQuantities() {
+  for (const place of document.querySelectorAll("[data-name]")) {
+    const { name, symbol } = DATA.quantities[place.dataset.name];
+    place.append(place.dataset.name === "estimate" ? make("i", {}, `${name} `) : `${name} `, symbol);
+  }
+}
+
 // The colours of the quantities, as everywhere in the project.
 function paint() {
   for (const [name, look] of Object.entries(DATA.quantities)) {
@@ -481,6 +489,7 @@ function paint() {
 
 isDark.onchange = paint;
 paint();
+nameQuantities();
 addEventListener("hashchange", () => source.isHere && follow());
 $("more").open = innerHeight > 900;
 showScenes();
