@@ -8,6 +8,8 @@ from furuta_bringup.page.nodes_on_page import plain
 from furuta_bringup.page.rig_status import rig_status
 from furuta_model.parameters import ParameterError
 
+IDLE = "yet; active, stops: 0"
+
 
 def test_silent_bridge_is_not_shown_as_it_was() -> None:
     """A bridge that has ended said last that it is armed; that may be wrong now."""
@@ -17,6 +19,8 @@ def test_silent_bridge_is_not_shown_as_it_was() -> None:
     assert "no diagnostics" in rig_status(None, 1.0)["text"]
     assert rig_status(status, 1.0)["title"] == "ARMED"
     assert rig_status(status, 30.0)["title"] == "unknown"
+    values[0].value, status.message = "False", "not armed yet"
+    assert rig_status(status, 1.0) == {"title": "not armed", "kind": "", "text": IDLE}
     assert "silent for 30 s" in rig_status(status, 30.0)["text"]
 
 

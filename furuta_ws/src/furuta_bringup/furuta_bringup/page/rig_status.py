@@ -21,7 +21,8 @@ def rig_status(status: Any, age: float) -> dict[str, str]:
         return _told("unknown", "unknown", f"the bridge has been silent for {age:.0f} s")
     values = {pair.key: pair.value for pair in status.values}
     title, kind = ("ARMED", "armed") if values["armed"] == "True" else ("not armed", "")
-    return _told(title, kind, f"{status.message}; {values['state']}, stops: {values['stops']}")
+    reason = status.message.removeprefix(title).strip()  # it may say the same again
+    return _told(title, kind, f"{reason}; {values['state']}, stops: {values['stops']}")
 
 
 def _told(title: str, kind: str, text: str) -> dict[str, str]:
