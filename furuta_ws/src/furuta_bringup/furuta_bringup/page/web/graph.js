@@ -43,7 +43,8 @@ export class Graph {
     if (message.began) {
       const [time, phi, theta] = message.began;
       this.rows = this.rows.filter((row) => row[TIME] >= time);
-      this.now = Object.assign(Array(COLUMNS).fill(0), { [TIME]: time, [PHI]: phi, [THETA]: theta, [F_HAT]: NaN });
+      const first = Object.assign(Array(COLUMNS).fill(0), { [TIME]: time, [PHI]: phi, [THETA]: theta, [F_HAT]: NaN });
+      if (!(this.time > time)) this.now = first;
     }
     this.told(message);
   }

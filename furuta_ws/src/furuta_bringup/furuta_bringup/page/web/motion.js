@@ -115,9 +115,9 @@ export class Motion {
     this.begin(this.time);
   }
 
-  // A new motion begins at a time; who has reset the plant does not matter.
-  begin(time) {
-    Object.assign(this, { rows: [], since: time, fell: false });
+  // A new motion begins at a time, of which some rows may have come already; who has reset the plant does not matter.
+  begin(time, rows = []) {
+    Object.assign(this, { rows, since: time, fell: false });
     if (this.before) this.before.at = time;
   }
 

@@ -387,7 +387,7 @@ function follow() {
 // What the graph has told: of the page, only what differs from a page without one.
 function told({ nodes, values, place, status, cycle, failed, refused, began, since }) {
   if (since !== undefined) motion.since = since;
-  if (began) motion.begin(began[0]);
+  if (began) motion.begin(began[0], motion.rows.filter(([time]) => time >= began[0]));
   if (nodes) {
     own.knobs ??= source.hasScenes ? source.own({}) : null;
     makeKnobs();
