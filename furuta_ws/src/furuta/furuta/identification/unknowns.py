@@ -18,7 +18,8 @@ class Unknown(NamedTuple):
     """What a fit may change, in its coordinate.
 
     ``mean`` and ``spread`` are those of the prior, ``size`` is that of a usual change. A positive
-    value changes by at most a ``factor`` in an iteration.
+    value changes by at most a ``factor`` in an iteration. ``step`` is that of finite differences,
+    in sizes: large against the stairs that an integration has.
     """
 
     key: Key
@@ -28,6 +29,7 @@ class Unknown(NamedTuple):
     spread: float = math.inf
     size: float = 1.0
     factor: float = math.inf
+    step: float = 1e-6
 
 
 class Unknowns(tuple[Unknown, ...]):

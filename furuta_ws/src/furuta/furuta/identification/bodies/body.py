@@ -8,9 +8,8 @@ import numpy as np
 
 from furuta.identification.unknowns import Unknowns, Values
 
-# Step of an unknown, relative to its size or value; of a first state, relative to its spread; and
-# largest step of a first state.
-STEP, STATE_STEP, LARGEST_STATE_STEP = 1e-6, 1e-3, 1e-5
+# Step of a first state for finite differences, relative to its spread, and the largest one.
+STATE_STEP, LARGEST_STATE_STEP = 1e-3, 1e-5
 
 
 class Segments(NamedTuple):
@@ -87,7 +86,8 @@ class Differentiated:
         """Slopes of the outputs in the unknowns (n, c, p) and in the segments' states (n, c, k)."""
         base, vector = self.outputs(values, first, cut), unknowns.vector(values)
         columns = np.empty((*base.shape, len(unknowns)))
-        for j, step in enumerate(STEP * np.maximum(unknowns.all("size"), np.abs(vector))):
+        sizes = np.maximum(unknowns.all("size"), np.abs(vector))
+        for j, step in enumerate(unknowns.all("step") * sizes):
             there = unknowns.changed(values, vector + step * (np.arange(len(vector)) == j))
             columns[:, :, j] = (self.outputs(there, first, cut) - base) / step
         states = np.zeros((*base.shape, first.shape[1]))

@@ -30,12 +30,16 @@ LARGEST_LOG_CHANGE = 3.0
 
 
 class Range(NamedTuple):
-    """Allowed range of an unknown parameter, mean and standard deviation of its prior."""
+    """Allowed range of an unknown parameter, mean and standard deviation of its prior.
+
+    ``step`` is that of finite differences.
+    """
 
     low: float
     high: float
     mean: float = 0.0
     spread: float = math.inf
+    step: float = 1e-6
 
 
 _POSITIVE = Range(-20.0, 15.0)  # the logarithm
@@ -50,7 +54,8 @@ UNKNOWNS = {
     "asymmetry": Range(-0.95, 0.95, 0.0, 0.2),
     "pendulum_viscous": Range(0.0, 100.0),  # V s/rad
     "pendulum_coulomb": Range(0.0, 100.0, 0.0, 0.02),  # V
-    "delay": Range(0.0, 0.05, 0.0, 0.005),  # s
+    # A command that passes a step of the integration moves the prediction by a stair.
+    "delay": Range(0.0, 0.05, 0.0, 0.005, step=1e-4),  # s
     "lag": Range(0.0, 0.05, 0.0, 0.01),  # s
     "tilt_x": Range(-0.3, 0.3, 0.0, 0.05),  # rad
     "tilt_y": Range(-0.3, 0.3, 0.0, 0.05),  # rad
@@ -180,6 +185,7 @@ def unknowns_of(keys: Sequence[Key], start: ParameterValues) -> Unknowns:
 
 
 def _unknown(key: Key, value: float) -> Unknown:
-    low, high, mean, spread = range_of(key)
+    low, high, mean, spread, step = range_of(key)
     reach = LARGEST_LOG_CHANGE if key in LOGARITHMIC else math.inf
-    return Unknown(key, max(low, value - reach), min(high, value + reach), mean, spread)
+    low, high = max(low, value - reach), min(high, value + reach)
+    return Unknown(key, low, high, mean, spread, step=step)
