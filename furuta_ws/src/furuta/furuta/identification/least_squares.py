@@ -35,7 +35,9 @@ LARGEST = 2.0
 SEARCHES, RESTART = 4, 1e-3
 # Cost of a segment, in that of the median one, from which its first speed is searched.
 BAD = 1.4
-# Changes of a first speed that are tried, in its standard deviations.
+# Changes of a first speed that are tried, in its standard deviations, and how much smaller they are
+# then about the best one: where an axis breaks away depends finely on it.
+FINER = (1.0, 0.1, 0.01)
 SEARCHED = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0)
 
 
@@ -69,7 +71,7 @@ class Linearised(NamedTuple):
     the diagonal, ``gradient`` (p,) that of their ``scores`` (s, p) and the priors'. First states
     follow a step by ``own - back @ step`` (s, k) and (s, k, p), in their spreads. ``columns``
     (n, c, p) and ``states`` (n, c, k) are weighted slopes, ``promise`` is the decrease of the cost
-    by first states alone.
+    by first states alone. ``scatter`` (p,) is the part of the priors in that of the gradient.
     """
 
     information: np.ndarray
@@ -81,6 +83,7 @@ class Linearised(NamedTuple):
     columns: np.ndarray
     states: np.ndarray
     prior: np.ndarray
+    scatter: np.ndarray
     promise: float
 
     def decrease(self, step: np.ndarray) -> float:
@@ -143,7 +146,7 @@ def covariance(about: Linearised) -> np.ndarray:
     What is left of an encoder's counts is no white noise. The priors' part is added.
     """
     inverse = np.linalg.pinv(about.information)
-    of_prior = inverse @ np.diag(about.prior) @ inverse
+    of_prior = (inverse * about.scatter) @ inverse
     return jackknife(about.information, about.blocks, about.scores) + of_prior
 
 
@@ -177,7 +180,8 @@ def evaluated(problem: Problem, values: Values, first: np.ndarray) -> State:
     costs = np.add.reduceat(_losses(r, robust).sum(axis=1), cut.bounds[:-1])
     costs = costs + np.sum(_in_spreads(cut, cut.first - first) ** 2, axis=1)
     prior = (unknowns.vector(values) - unknowns.all("mean")) / unknowns.all("spread")
-    return State(values, first, r, costs, float(costs.sum() + _losses(prior, robust).sum()))
+    of_prior = cut.correlated * _losses(prior, robust).sum()
+    return State(values, first, r, costs, float(costs.sum() + of_prior))
 
 
 def linearised(problem: Problem, state: State) -> Linearised:
@@ -204,11 +208,22 @@ def linearised(problem: Problem, state: State) -> Linearised:
         scores[s] = a.T @ y - cross.T @ own[s]
     spread = unknowns.all("spread")
     prior = (unknowns.vector(state.values) - unknowns.all("mean")) / spread
-    slope = _weights(prior, robust) * unknowns.all("size") / spread
-    gradient = scores.sum(axis=0) - slope * _weights(prior, robust) * prior
-    information = blocks.sum(axis=0) + np.diag(slope**2)
+    slope, certain = unknowns.all("size") / spread, cut.correlated * _weights(prior, robust) ** 2
+    gradient = scores.sum(axis=0) - certain * slope * prior
+    of_prior = certain * slope**2
+    information, scatter = blocks.sum(axis=0) + np.diag(of_prior), certain * of_prior
     return Linearised(
-        information, gradient, blocks, scores, back, own, columns, states, slope**2, promise
+        information,
+        gradient,
+        blocks,
+        scores,
+        back,
+        own,
+        columns,
+        states,
+        of_prior,
+        scatter,
+        promise,
     )
 
 
@@ -246,18 +261,20 @@ def fit(
     """
     if first is None:
         only = problem._replace(unknowns=Unknowns(()))
-        first = _descended(only, evaluated(only, values, problem.cut.first), COARSE).first
-    state = _minimum(problem, evaluated(problem, values, first), enough)
+        first = _minimum(only, evaluated(only, values, problem.cut.first), COARSE, 1).first
+    state = _minimum(problem, evaluated(problem, values, first), enough, SEARCHES)
     return Fit(problem.unknowns, state, linearised(problem, state))
 
 
-def _minimum(problem: Problem, state: State, enough: float) -> State:
-    """Descents from a state, with searches of the first speeds between them."""
-    for _ in range(SEARCHES):
+def _minimum(problem: Problem, state: State, enough: float, searches: int) -> State:
+    """Descents from a state, with a search of the first speeds after each."""
+    for _ in range(searches):
         state = before = _descended(problem, state, enough)
         if problem.body.speed is None:
             break
-        state = evaluated(problem, before.values, _searched(problem, before, problem.body.speed))
+        squares = before.costs / problem.cut.lengths
+        bad = np.flatnonzero(squares > BAD * float(np.median(squares)))
+        state = _searched(problem, before, bad)
         if before.cost - state.cost < max(RESTART * state.cost, enough):
             break
     return state
@@ -289,7 +306,8 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
     """The state after a damped step.
 
     If it keeps too little of its promise, first states are solved for once more, and each segment
-    takes the best of its own: segments are independent.
+    takes the best of its own: segments are independent. If that is no progress, first speeds are
+    searched where a segment has become worse: one that begins near rest can stop a whole fit.
     """
     step = _step(problem, state, about, damping)
     vector = problem.unknowns.vector(state.values) + problem.unknowns.all("size") * step
@@ -302,7 +320,10 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
     choices = [there.first, solved(problem, there, about)]
     if there.cost >= state.cost:
         choices.append(state.first)
-    return evaluated(problem, values, _best_starts(problem, values, choices))
+    there = evaluated(problem, values, _best_starts(problem, values, choices))
+    if there.cost < state.cost:
+        return there
+    return _searched(problem, there, np.flatnonzero(there.costs > BAD * state.costs))
 
 
 def solved(problem: Problem, state: State, about: Linearised) -> np.ndarray:
@@ -346,31 +367,32 @@ def _best_starts(problem: Problem, values: Values, choices: Sequence[np.ndarray]
     return states
 
 
-def _searched(problem: Problem, state: State, speed: int) -> np.ndarray:
-    """First states (s, k); those of badly explained segments are the best of several speeds.
+def _searched(problem: Problem, state: State, bad: np.ndarray) -> State:
+    """The state with the best of several first speeds in the segments ``bad``.
 
     Each speed has the first position that suits it, which is state 0 and output 0.
     """
-    squares = state.costs / problem.cut.lengths
-    bad = np.flatnonzero(squares > BAD * max(float(np.median(squares)), 1.0))
-    first = state.first.copy()
-    if not len(bad):
-        return first
+    whole, speed, first = problem, problem.body.speed, state.first.copy()
+    if speed is None or not len(bad):
+        return state
     problem = problem._replace(cut=problem.cut.chosen(bad))
-    part, choices = problem.cut, [first[bad]]
+    part, best = problem.cut, first[bad]
     weight = part.weight[0, 0]
     scale = 1.0 / (weight * part.spread[:, 0])
-    for about in (first[bad], part.first):
-        for step in (0.0, *SEARCHED, *(-step for step in SEARCHED)):
-            choice = about.copy()
-            choice[:, speed] += step * part.spread[:, speed]
-            r = residuals(problem, state.values, choice)[:, 0]
-            pull = (part.first[:, 0] - choice[:, 0]) / part.spread[:, 0]
-            shift = np.add.reduceat(r, part.bounds[:-1]) + pull * scale
-            choice[:, 0] += shift / (part.lengths + scale**2) / weight
-            choices.append(choice)
-    first[bad] = _best_starts(problem, state.values, choices)
-    return first
+    for finer in FINER:
+        choices = [best]
+        for about in (best, part.first) if finer == 1.0 else (best,):
+            for step in (0.0, *SEARCHED, *(-step for step in SEARCHED)):
+                choice = about.copy()
+                choice[:, speed] += finer * step * part.spread[:, speed]
+                r = residuals(problem, state.values, choice)[:, 0]
+                pull = (part.first[:, 0] - choice[:, 0]) / part.spread[:, 0]
+                shift = np.add.reduceat(r, part.bounds[:-1]) + pull * scale
+                choice[:, 0] += shift / (part.lengths + scale**2) / weight
+                choices.append(choice)
+        best = _best_starts(problem, state.values, choices)
+    first[bad] = best
+    return evaluated(whole, state.values, first)
 
 
 def projection(problem: Problem, about: Fit) -> Callable[[Values], np.ndarray]:

@@ -48,7 +48,7 @@ def tested(
         inverse = np.linalg.pinv(information, hermitian=True)
         blocks, step = about.blocks[:, rows][:, :, rows], inverse @ about.gradient[rows]
         covered = jackknife(information, blocks, about.scores[:, rows] - blocks @ step)
-        covered += (inverse * about.prior[rows]) @ inverse
+        covered += (inverse * about.scatter[rows]) @ inverse
         chances.append(significance(step[-last:], covered[-last:, -last:], len(blocks)))
         gains.append(step[-last:] @ np.linalg.pinv(inverse[-last:, -last:]) @ step[-last:])
     return np.array(chances), np.array(gains)

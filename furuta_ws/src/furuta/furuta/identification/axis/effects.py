@@ -226,11 +226,15 @@ def _allowed(group: Sequence[Key]) -> float:
 
 
 def _reduced(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The fit without the effects that are not significant after all."""
+    """The fit without the effects that are not significant after all.
+
+    One without which the fit ends in a much worse optimum stays.
+    """
     for group in (*((name,) for name in (*smooth_effects(True), LOADED)), *waves_of(best)):
         if group[0] in best.unknowns.keys and chance_of(best, group) > _allowed(group):
             keys, values = _without(best, group)
-            best = fitted(cut, keys, scales, values, best.state.first)
+            without = fitted(cut, keys, scales, values, best.state.first)
+            best = best if _gained(without, best) else without
     if best.values["alpha1"]:
         keys = [key for key in best.unknowns.keys if key not in FALL]
         values = {**best.values, "alpha1": 0.0}
@@ -268,14 +272,12 @@ def covariance_with_missed(cut: Segments, best: Fit, scales: Scales, drift: bool
     Where the model does not explain the recording, an effect that was not found may be there: how
     its best value would change the others is part of their error.
     """
-    covered, known, allowed = best.covariance, best.unknowns.keys, best.inflation(SURE)
+    covered, known = best.covariance, best.unknowns.keys
     for name in smooth_effects(drift):
         if name in known:
             continue
         about = _about(cut, best, (*known, name), scales)
-        # A prior weighs as much against squares that are not those of white noise.
-        prior = np.diag((allowed - 1.0) * about.prior)
-        shift = np.linalg.solve(about.information + prior, about.gradient)[:-1]
+        shift = np.linalg.solve(about.information, about.gradient)[:-1]
         covered = covered + np.outer(shift, shift)
     return covered
 
@@ -305,9 +307,9 @@ def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
     return result if falls and _gained(best, result) else None
 
 
-def _gained(without: Fit, fall: Fit) -> bool:
+def _gained(without: Fit, wider: Fit) -> bool:
     """Whether squares decrease by more than chance explains."""
-    return bool(np.exp(0.5 * (fall.cost - without.cost) / fall.inflation(SURE)) < BY_CHANCE)
+    return bool(np.exp(0.5 * (wider.cost - without.cost) / wider.inflation(SURE)) < BY_CHANCE)
 
 
 def _projection(cut: Segments, best: Fit) -> Callable[[Values], np.ndarray]:

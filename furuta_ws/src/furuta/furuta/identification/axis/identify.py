@@ -13,6 +13,7 @@ from furuta.identification.axis.effects import (
     ALWAYS,
     FALL,
     GRAVITY,
+    SURE,
     Group,
     Scales,
     alike,
@@ -48,6 +49,8 @@ POOR = 3.0
 # Size of the residuals in the noise of the position that a fit has which explains the recording;
 # how often the errors of the model take the place of that noise otherwise.
 EXPLAINED, REWEIGHTED = 1.3, 2
+# Residuals in the noise that was assumed from which that is assumed anew.
+EXCESSIVE = 0.5
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
 # doubtful, useless, or not worth a fit; where the residuals are noise, it does not matter.
 DOUBTFUL, USELESS, UNEXPLAINED = 0.005, 0.15, 0.6
@@ -130,12 +133,15 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
     sensor = _noise(cut)
     part = base.rms * sensor / _forced_motion(cut)
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
-        # Errors of the model are the noise then: they also make the first states uncertain.
-        cut = cut.with_noise(base.rms)
+        cut = _reweighted(cut, base)
         base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
     best = base
     if part <= UNEXPLAINED or torques is None or torques.part <= UNEXPLAINED:
         best = supported(cut, base, scales, drift=len(ready) == 1)
+        if best.rms < EXCESSIVE:
+            cut = _reweighted(cut, best)
+            best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first, COARSE)
+            best = supported(cut, best, scales, drift=len(ready) == 1)
         if best.values["delay"] > LONG_DELAY:
             prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
             best = min(best, prompt, key=lambda each: each.cost)
@@ -150,6 +156,15 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
             "and clock of the torque"
         )
     return _result(ready, cut, best, scales, sensor)
+
+
+def _reweighted(cut: Segments, best: Fit) -> Segments:
+    """With the residuals of a fit as the noise; they also make the first states uncertain.
+
+    They last, but no longer than a segment: segments are independent.
+    """
+    longest = float(np.median(cut.lengths))
+    return cut.with_noise(best.rms, min(best.inflation(SURE) / best.rms**2, longest))
 
 
 def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:

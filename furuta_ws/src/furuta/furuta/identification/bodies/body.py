@@ -18,7 +18,8 @@ class Segments(NamedTuple):
     ``time`` (n,) [s]; ``measured`` and ``weight`` (n, c): a weight is one over the residual that
     counts as one, or 0 for what was not measured. Segment k belongs to recording ``of[k]``. Its
     state begins near ``first`` (s, k), with the standard deviations ``spread``; 0 if it is known.
-    ``data`` is what the body moves along.
+    ``data`` is what the body moves along. ``correlated`` samples carry the information of one:
+    priors count for so much more against the squares.
     """
 
     time: np.ndarray
@@ -29,15 +30,17 @@ class Segments(NamedTuple):
     first: np.ndarray
     spread: np.ndarray
     data: Any
+    correlated: float = 1.0
 
     @property
     def lengths(self) -> np.ndarray:
         """Samples of each segment (s,)."""
         return np.diff(self.bounds)
 
-    def with_noise(self, factor: float) -> Segments:
+    def with_noise(self, factor: float, correlated: float) -> Segments:
         """With a noise that is larger by a factor, and first states that are as uncertain."""
-        return self._replace(weight=self.weight / factor, spread=self.spread * factor)
+        weight, spread = self.weight / factor, self.spread * factor
+        return self._replace(weight=weight, spread=spread, correlated=correlated)
 
     def chosen(self, which: np.ndarray) -> Segments:
         """Some of the segments."""

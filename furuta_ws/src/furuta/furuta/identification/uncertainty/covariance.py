@@ -47,7 +47,7 @@ def covariance_and_information(
     size, more = len(optimum.keys), len(assumed)
     about = optimum.about()
     inverse = np.linalg.pinv(about.information)
-    covariance = (inverse * about.prior) @ inverse + block_covariance(optimum, about)
+    covariance = (inverse * about.scatter) @ inverse + block_covariance(optimum, about)
     if swinging:
         covariance += _wave_covariance(optimum, inverse)
     wider = optimum.about(list(assumed)).blocks.sum(axis=0)
