@@ -186,13 +186,20 @@ def test_slow_and_irregular_samples() -> None:
 @pytest.mark.long
 @pytest.mark.skipif(not EMPS.exists(), reason="FURUTA_RECORDINGS has no such record")
 def test_published_drive() -> None:
-    """Each half of EMPS's training record predicts the other; the values are near the published."""
+    """Each half of EMPS's training record predicts the other, by the published force of friction.
+
+    The published law is a line. The axis shows a curve, whose slope at rest is another value, so
+    the force is compared over the speeds of the record.
+    """
     whole = read_axis(EMPS, torque_constant=FORCE_PER_VOLT)
     middle = 0.5 * whole.duration
     first, second = whole.between(-np.inf, middle), whole.between(middle, np.inf)
     for known, held_out in ((first, second), (second, first)):
         fit = identify_axis(known)
-        assert fit.values["inertia"] == pytest.approx(95.1, rel=0.07)
-        assert fit.values["viscous"] == pytest.approx(203.5, rel=0.1)
-        assert fit.values["alpha0"] == pytest.approx(20.39, rel=0.1)
-        assert fit.error(held_out, own_offset=True) < 1.7e-3
+        assert fit.values["inertia"] == pytest.approx(95.1, rel=0.02)
+        for v in (0.02, 0.05, 0.1):
+            force = fit.values["alpha0"] + fit.values["viscous"] * v
+            force += fit.values.get("drag", 0.0) * v**2
+            assert force == pytest.approx(20.39 + 203.5 * v, rel=0.04)
+        # The errors of the values alone allow 5 mm. The axis travels 246 mm.
+        assert fit.error(held_out, own_offset=True) < 2e-3

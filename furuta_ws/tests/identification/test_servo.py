@@ -20,20 +20,20 @@ def _move(
         out[i] = q
         for step in range(steps):
             k = max(int(np.floor((i * steps + step - late) / steps)), 0)
-            pull = min(max(goal[k] - q, -limit), limit)
+            pull = min(max(goal[k] - q - 0.5 * h * v, -limit), limit)
             q, v = advanced(a, q, v, pull, 0.0, h)
 
 
 def random_servo(seed: int) -> tuple[dict[str, float], Recording]:
     """A random servo in units of its loop's stiffness, and a recording at 200 Hz of 20 s."""
     r = np.random.default_rng(500 + seed)
-    inertia = 10.0 ** r.uniform(-3.5, -2.5)
+    inertia, step = 10.0 ** r.uniform(-3.5, -2.5), 1.0 / (200.0 * 200.0)
     axis = TrueAxis(
         inertia,
         10.0 ** r.uniform(-2.2, -1.2),
         2.0 * np.sqrt(inertia) * r.uniform(0.4, 1.2),
         offset=r.uniform(-0.02, 0.02),
-        delay=r.uniform(0.0, 0.02),
+        delay=round(r.uniform(0.0, 0.02) / step) * step,
     )
     time = np.arange(4000) / 200.0
     goal = 0.5 * np.sin(2.0 * np.pi * r.uniform(0.1, 0.4) * time)

@@ -168,7 +168,8 @@ def _in_spreads(cut: Segments, change: np.ndarray) -> np.ndarray:
 def residuals(problem: Problem, values: Values, first: np.ndarray) -> np.ndarray:
     """Measured minus predicted (n, c), in what counts as one; 0 where nothing was measured."""
     cut = problem.cut
-    error = (cut.measured - problem.body.outputs(values, first, cut)) * cut.weight
+    with np.errstate(over="ignore", invalid="ignore"):
+        error = (cut.measured - problem.body.outputs(values, first, cut)) * cut.weight
     error[cut.weight == 0.0] = 0.0
     return np.clip(np.nan_to_num(error, nan=FAR), -FAR, FAR)
 
@@ -272,9 +273,8 @@ def _minimum(problem: Problem, state: State, enough: float, searches: int) -> St
         state = before = _descended(problem, state, enough)
         if problem.body.speed is None:
             break
-        squares = before.costs / problem.cut.lengths
-        bad = np.flatnonzero(squares > BAD * float(np.median(squares)))
-        state = _searched(problem, before, bad)
+        usual = max(float(np.median(before.costs / problem.cut.lengths)), 1.0)
+        state = _searched(problem, before, BAD * usual * problem.cut.lengths)
         if before.cost - state.cost < max(RESTART * state.cost, enough):
             break
     return state
@@ -306,8 +306,8 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
     """The state after a damped step.
 
     If it keeps too little of its promise, first states are solved for once more, and each segment
-    takes the best of its own: segments are independent. If that is no progress, first speeds are
-    searched where a segment has become worse: one that begins near rest can stop a whole fit.
+    takes the best of its own: segments are independent. If only the other segments gain, first
+    speeds are searched where one has become worse: one that begins near rest can stop a whole fit.
     """
     step = _step(problem, state, about, damping)
     vector = problem.unknowns.vector(state.values) + problem.unknowns.all("size") * step
@@ -323,7 +323,11 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
     there = evaluated(problem, values, _best_starts(problem, values, choices))
     if there.cost < state.cost:
         return there
-    return _searched(problem, there, np.flatnonzero(there.costs > BAD * state.costs))
+    worse = there.costs > BAD * state.costs
+    lost = float(np.sum((there.costs - state.costs)[worse]))
+    if there.cost - lost >= state.cost:
+        return there
+    return _searched(problem, there, BAD * state.costs)
 
 
 def solved(problem: Problem, state: State, about: Linearised) -> np.ndarray:
@@ -367,32 +371,44 @@ def _best_starts(problem: Problem, values: Values, choices: Sequence[np.ndarray]
     return states
 
 
-def _searched(problem: Problem, state: State, bad: np.ndarray) -> State:
-    """The state with the best of several first speeds in the segments ``bad``.
+def _searched(problem: Problem, state: State, allowed: np.ndarray) -> State:
+    """The state with the best of several first speeds in segments that cost more than allowed (s,).
 
-    Each speed has the first position that suits it, which is state 0 and output 0.
+    Each speed has the first position that suits it, which is state 0 and output 0. Costs are those
+    of residuals that it shifts alike.
     """
-    whole, speed, first = problem, problem.body.speed, state.first.copy()
-    if speed is None or not len(bad):
-        return state
-    problem = problem._replace(cut=problem.cut.chosen(bad))
-    part, best = problem.cut, first[bad]
-    weight = part.weight[0, 0]
-    scale = 1.0 / (weight * part.spread[:, 0])
-    for finer in FINER:
-        choices = [best]
-        for about in (best, part.first) if finer == 1.0 else (best,):
-            for step in (0.0, *SEARCHED, *(-step for step in SEARCHED)):
-                choice = about.copy()
-                choice[:, speed] += finer * step * part.spread[:, speed]
-                r = residuals(problem, state.values, choice)[:, 0]
-                pull = (part.first[:, 0] - choice[:, 0]) / part.spread[:, 0]
-                shift = np.add.reduceat(r, part.bounds[:-1]) + pull * scale
-                choice[:, 0] += shift / (part.lengths + scale**2) / weight
-                choices.append(choice)
-        best = _best_starts(problem, state.values, choices)
-    first[bad] = best
-    return evaluated(whole, state.values, first)
+    for finer in FINER if problem.body.speed is not None else ():
+        bad = np.flatnonzero(state.costs > allowed)
+        if not len(bad):
+            break
+        part = problem._replace(cut=problem.cut.chosen(bad))
+        abouts = [state.first[bad], part.cut.first][: 2 if finer == FINER[0] else 1]
+        choices = [state.first[bad], _best_speeds(part, state.values, abouts, finer)]
+        first = state.first.copy()
+        first[bad] = _best_starts(part, state.values, choices)
+        state = evaluated(problem, state.values, first)
+    return state
+
+
+def _best_speeds(
+    problem: Problem, values: Values, abouts: Sequence[np.ndarray], finer: float
+) -> np.ndarray:
+    """First states (s, k) of the least cost about some others."""
+    cut, speed = problem.cut, problem.body.speed
+    weight = cut.weight[0, 0]
+    scale = 1.0 / (weight * cut.spread[:, 0])
+    best, least = abouts[0], np.full(len(cut.first), np.inf)
+    for about, step in itertools.product(abouts, (0.0, *SEARCHED, *(-step for step in SEARCHED))):
+        choice = about.copy()
+        choice[:, speed] += finer * step * cut.spread[:, speed]
+        there = evaluated(problem, values, choice)
+        pull = (cut.first[:, 0] - choice[:, 0]) / cut.spread[:, 0]
+        shift = np.add.reduceat(there.residuals[:, 0], cut.bounds[:-1]) + pull * scale
+        choice[:, 0] += shift / (cut.lengths + scale**2) / weight
+        costs = there.costs - shift**2 / (cut.lengths + scale**2)
+        better = costs < least
+        best, least = np.where(better[:, None], choice, best), np.where(better, costs, least)
+    return best
 
 
 def projection(problem: Problem, about: Fit) -> Callable[[Values], np.ndarray]:

@@ -185,7 +185,9 @@ def _fitted(rows: _Rows, keys: Sequence[Key], scales: Scales, values: Values) ->
     scores = np.add.reduceat(x * left[:, None], starts)
     blocks = np.add.reduceat(x[:, :, None] * x[:, None, :], starts)
     none = np.zeros((0, 0))
-    linear = Linearised(information, 0.0 * step, blocks, scores, none, none, x, none, prior, prior, 0.0)
+    linear = Linearised(
+        information, 0.0 * step, blocks, scores, none, none, x, none, prior, prior, 0.0
+    )
     cost = float(np.sum((noise * left) ** 2))
     there = unknowns.changed(values, size * step)
     return Fit(unknowns, State(there, none, noise * left[:, None], none, cost), linear)

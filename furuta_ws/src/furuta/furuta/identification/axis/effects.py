@@ -47,8 +47,9 @@ FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
 AT_ONCE, SHORT = 1e-6, 1e-3
 # Largest of some dozen values of noise, in its standard deviation.
 LARGEST_NOISE = 2.0
-# Smallest fall, in the Coulomb level.
-SMALLEST_FALL = 0.01
+# Smallest fall and smallest wave, in the Coulomb level: the steps of the integration err by as much
+# as smaller ones.
+SMALLEST = 0.01
 # Increase of the squares, in those that count, that contradicts stiction: two standard errors.
 HIDDEN = 4.0
 # Unknowns of which every segment with motion informs.
@@ -116,8 +117,8 @@ def fitted(
 def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
     """The fit with all effects that the segments support."""
     best = _with_effects(cut, base, scales, drift)
-    best = _falling(cut, best, scales) or best
-    best = _with_effects(cut, best, scales, drift)
+    if fall := _falling(cut, best, scales):
+        best = _with_effects(cut, fall, scales, drift)
     if best.values["alpha1"] and best.values["stribeck_velocity"] < SHORT * scales.speed:
         velocity = AT_ONCE * scales.speed
         best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
@@ -151,7 +152,11 @@ def _with_effects(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Fit:
         kept = (chances < HOPELESS) | [len(group) == 1 for group in groups]
         hopeless += [g for g, k in zip(groups, kept, strict=True) if g != chosen and not k]
         groups = [g for g, k in zip(groups, kept, strict=True) if g != chosen and k]
-        best = _extended(cut, best, chosen, scales)
+        wider = _extended(cut, best, chosen, scales)
+        sizes = [abs(wider.values[key]) for key in chosen]
+        if len(chosen) > 1 and max(sizes) < SMALLEST * scales.level:
+            continue
+        best = wider
         if len(chosen) > 1:
             other = _exchanged(cut, best, chosen, scales)
             best = min(best, other, key=lambda each: each.cost)
@@ -303,7 +308,7 @@ def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
         if better.cost > result.cost - COARSE * result.rms**2:
             break
         result = better
-    falls = result.values["alpha1"] > SMALLEST_FALL * scales.level
+    falls = result.values["alpha1"] > SMALLEST * scales.level
     return result if falls and _gained(best, result) else None
 
 

@@ -166,7 +166,7 @@ def _unknowns(values: Values, error: float, fastest: float) -> Unknowns:
             Unknown("inertia", size=values["inertia"], factor=2.5),
             Unknown("alpha0", low=0.0, size=error),
             Unknown("viscous", low=0.0, size=error / fastest),
-            Unknown("delay", low=0.0, size=0.002),
+            Unknown("delay", low=0.0, size=0.002, step=0.02),
             Unknown("limit", size=10.0 * error, factor=2.5),
             Unknown(("offset", 0), size=error),
         )
