@@ -35,6 +35,8 @@ LARGEST = 2.0
 SEARCHES, RESTART = 4, 1e-3
 # Cost of a segment, in that of the median one, from which its first speed is searched.
 BAD = 1.4
+# Part of the segments that are a few.
+FEW = 0.1
 # Changes of a first speed that are tried, in its standard deviations, and how much smaller they are
 # then about the best one: where an axis breaks away depends finely on it.
 FINER = (1.0, 0.1, 0.01)
@@ -130,14 +132,18 @@ class Fit(NamedTuple):
         return np.asarray(own * np.outer(wider, wider))
 
     def inflation(self, sure: Sequence[Key]) -> float:
-        """Variance by segments over that of white noise, at least that of white residuals.
+        """Variance by segments over that of white noise.
 
-        It is the median over unknowns of which every segment informs.
+        It is the median over unknowns of which every segment informs, at least that of white
+        residuals, and at most that of residuals that last as long as a segment.
         """
         white = np.diag(np.linalg.pinv(self.about.information))
         own = np.diag(self.covariance)
         kept = [k for k, key in enumerate(self.unknowns.keys) if key in sure]
-        return float(max(np.median(own[kept] / white[kept]), self.rms**2))
+        longest = len(self.about.columns) / self.segments
+        return self.rms**2 * float(
+            np.clip(np.median(own[kept] / white[kept]) / self.rms**2, 1.0, longest)
+        )
 
 
 def covariance(about: Linearised) -> np.ndarray:
@@ -306,8 +312,8 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
     """The state after a damped step.
 
     If it keeps too little of its promise, first states are solved for once more, and each segment
-    takes the best of its own: segments are independent. If only the other segments gain, first
-    speeds are searched where one has become worse: one that begins near rest can stop a whole fit.
+    takes the best of its own: segments are independent. If a few become worse and the others gain,
+    their first speeds are searched: one that begins near rest can stop a whole fit.
     """
     step = _step(problem, state, about, damping)
     vector = problem.unknowns.vector(state.values) + problem.unknowns.all("size") * step
@@ -325,7 +331,7 @@ def _tried(problem: Problem, state: State, about: Linearised, damping: float) ->
         return there
     worse = there.costs > BAD * state.costs
     lost = float(np.sum((there.costs - state.costs)[worse]))
-    if there.cost - lost >= state.cost:
+    if there.cost - lost >= state.cost or np.mean(worse) > FEW:
         return there
     return _searched(problem, there, BAD * state.costs)
 

@@ -50,7 +50,7 @@ POOR = 3.0
 # how often the errors of the model take the place of that noise otherwise.
 EXPLAINED, REWEIGHTED = 1.3, 2
 # Residuals in the noise that was assumed from which that is assumed anew.
-EXCESSIVE = 0.5
+EXCESSIVE = 0.7
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
 # doubtful, useless, or not worth a fit; where the residuals are noise, it does not matter.
 DOUBTFUL, USELESS, UNEXPLAINED = 0.005, 0.15, 0.6
@@ -159,12 +159,8 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
 
 
 def _reweighted(cut: Segments, best: Fit) -> Segments:
-    """With the residuals of a fit as the noise; they also make the first states uncertain.
-
-    They last, but no longer than a segment: segments are independent.
-    """
-    longest = float(np.median(cut.lengths))
-    return cut.with_noise(best.rms, min(best.inflation(SURE) / best.rms**2, longest))
+    """With the residuals of a fit as the noise; they also make the first states uncertain."""
+    return cut.with_noise(best.rms, best.inflation(SURE) / best.rms**2)
 
 
 def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
