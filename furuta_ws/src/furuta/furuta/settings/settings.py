@@ -17,6 +17,7 @@ from furuta.settings.recommended import is_compensation, is_recommended, recomme
 from furuta_control.control import POLE_PLACEMENT
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
+from furuta_model.late_drive import LateDrive
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError, build, values
 from furuta_ros.parameter_files import Section, is_of_ros, sections
@@ -56,19 +57,20 @@ def default_settings() -> Settings:
 
 
 def rig_settings(rig: Rig) -> Settings:
-    """Parameters that the rig determines: model, friction, sensors, sample time and limits.
+    """Parameters that the rig determines: model, friction, sensors, drive, sample time and limits.
 
-    Viscous friction, which contains back-EMF, is part of the model of estimator and pole placement.
+    Viscous friction, which contains back-EMF, is part of the model of estimator, observer and pole placement.
     The friction observer therefore compensates the rest of the friction.
     """
     model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
-    nominal = model | {"model_viscous": rig.friction.viscous}
+    drive = LateDrive(rig.drive_dynamics.delay, rig.drive_dynamics.lag)
+    nominal = model | {"model_viscous": rig.friction.viscous} | values(drive, "drive.")
     time = {"sample_time": rig.line.sample_time}
     settings = default_settings()
     settings["plant"] = model | sensors | values(rig.friction, "friction.") | time
     settings["plant"] |= _plant_parts(rig)
     settings["estimator"] = nominal | sensors | time | values(rig.kalman)
-    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | time
+    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | nominal | time
     settings["controller"] = nominal | time | values(rig.poles) | _limits(rig)
     return settings.all_implied()
 

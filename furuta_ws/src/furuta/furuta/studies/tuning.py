@@ -25,7 +25,7 @@ from typing import Protocol
 
 import numpy as np
 
-from furuta.settings.recommended import RECOMMENDED, with_super_twisting
+from furuta.settings.recommended import RECOMMENDED
 from furuta.studies.trials import (
     AS_IT_IS,
     NONE,

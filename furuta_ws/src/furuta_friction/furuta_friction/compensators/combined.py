@@ -1,102 +1,175 @@
-r"""Combined compensation: levels that are learned for each direction, and the rest as observed.
+r"""Combined compensation: a friction model with a learned level, and the rest as observed.
 
 .. math::
-    \hat F = m + r, \qquad m = l_± \tanh(v/w) + σ_2 v, \qquad T\dot r = F_o - m - r
+    \hat F = ρ\,m(z, v_p) + σ_2 v_p + r, \qquad
+    \dot ρ = \frac{λ}{F_{max}}\,r\,\mathrm{sgn}\,v \ \text{ while the arm slides}
 
-F_o is the friction that the estimator observes. The level l of the direction of motion follows F_o
-while the arm slides, so m changes at a reversal without delay. The rest r takes everything that m
-does not describe: presliding, stiction, cogging, a level that depends on the angle, errors of the
-pendulum's model. With r alone this is a disturbance observer (Ohnishi 1987; Chen, Yang, Guo and Li,
-IEEE Trans. Industrial Electronics 63, 2016). The levels start at zero and no friction parameter but
-σ₂ is used; the others only limit F̂.
+m is the friction of the LuGre observer at the speed v_p that is wanted when the command acts: that
+of the linear model with the commands of the feedback alone (:mod:`furuta_model.late_drive`). While
+the arm sticks, m so changes its sign when the feedback does, and not when the arm breaks away. r is
+what the model lacks, observed in the present (:mod:`furuta_friction.observation`). The level ρ,
+relative to that of the friction parameters, follows r where the arm has slid in one direction for
+longer than a vibration does; it falls more slowly than it rises.
+
+The lag of the drive is inverted for F̂, down to a shortest one; noise forbids more.
 """
 
-from dataclasses import dataclass
-from math import expm1, isnan
+from dataclasses import dataclass, field
+from math import ceil, isnan
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from furuta_friction.compensator import Joint
-from furuta_friction.compensators.adaptive import LARGEST_FACTOR
+from furuta_friction.compensators import bristle_observer
+from furuta_friction.compensators.bristle_observer import BristleMemory
+from furuta_friction.observation import Body
 from furuta_model.compiled import inlined
-from furuta_model.elementary import tanh
 from furuta_model.friction.lugre import highest_level
-from furuta_model.friction.parameters import Friction
+from furuta_model.late_drive import (
+    DriveMemory,
+    Prediction,
+    SampledDrive,
+    acting_torque,
+    design_drive,
+    design_prediction,
+    forget_voltages,
+    predicted,
+)
 from furuta_model.parameters import About
-from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
+from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
 
-# Multiple of the reversal speed beyond which tanh(v/w) is nearly 1: there the levels are learned.
-SLIDING = 2.0
+# Largest level and observed rest, relative to the highest level of the friction parameters.
+LARGEST_LEVEL = 4.0
+SMALLEST_LEVEL = 1e-4
+# Rate at which the level falls, relative to that at which it rises.
+FALL = 0.25
+# Part of the level from which the modelled friction counts as that of a sliding arm.
+SLIDING = 0.8
+# Times relative to that of the observer, the inverse of its bandwidth: for which the arm must have
+# slid in one direction, by which the speed is predicted at least, to which a longer lag of the
+# drive is reduced.
+ONE_WAY, HORIZON, SHORTEST_LAG = 4.0, 1.0, 0.25
+# The same for the lag that is assumed at least: a drive of which less is known can be late too, and
+# the assumption costs next to nothing where it is not.
+ASSUMED_LAG = 0.4
 
 
 @dataclass
 class CombinedMemory:
-    """Learned level [V] for v > 0 and for v < 0, and the rest [V]."""
+    """What the compensator remembers.
 
-    forward: float = 0.0
-    backward: float = 0.0
-    rest: float = 0.0
+    Attributes:
+        bristle: Bristle of the model.
+        level: Learned level, relative to that of the parameters.
+        direction: Direction in which the arm slides, ±1; 0 before the first sample.
+        one_way: Samples for which it has slid so.
+        model: Modelled friction as sent [V].
+        sent: F̂ as sent [V].
+        model_lag: Modelled friction behind the lag of the drive [V], for its inversion.
+        sent_lag: F̂ behind the lag of the drive [V].
+        feedback: What the drive has been given by the feedback alone.
+    """
+
+    bristle: BristleMemory = field(default_factory=BristleMemory)
+    level: float = 1.0
+    direction: float = 0.0
+    one_way: int = 0
+    model: float = 0.0
+    sent: float = 0.0
+    model_lag: float = 0.0
+    sent_lag: float = 0.0
+    feedback: DriveMemory = field(default_factory=DriveMemory)
 
 
 class CombinedParameters(NamedTuple):
     """Parameters of the compensator."""
 
-    filter_time: Annotated[
-        float, About("combined: time constant of the filter on the rest", "s", 0.0, 1.0)
-    ] = 0.003
-    reversal_speed: Annotated[
-        float,
-        About(
-            "combined: speed w within which the level changes sign, tanh(v/w)", "rad/s", 1e-9, 1e3
-        ),
-    ] = 0.05
     level_rate: Annotated[
-        float, About("combined: rate at which a level is learned", "1/s", 0.0, 1e3)
-    ] = 5.0
+        float, About("combined: rate at which the level is learned", "1/s", 0.0, 1e3)
+    ] = 8.0
 
 
 class Combined(NamedTuple):
-    """The sampled compensator: shares of a new value in the rest and in a level."""
+    """The sampled compensator: highest level [V], change of ρ in a sample for a rest of 1 V.
 
-    friction: Friction
-    filter_share: float
-    level_share: float
-    reversal_speed: float
+    The lag is divided by ``inversion``.
+    """
+
+    joint: Joint
+    level: float
+    change: float
+    one_way: int
+    prediction: Prediction
+    drive: SampledDrive
+    inversion: float
 
 
-def design(joint: Joint, p: CombinedParameters) -> Combined:
-    """The compensator for the sample time of a joint."""
+def design(joint: Joint, body: Body, bandwidth: float, p: CombinedParameters) -> Combined:
+    """The compensator for a joint and its body, whose friction is observed with a bandwidth [1/s]."""
+    level = float(highest_level(joint.friction))
     dt = joint.sample_time
-    share = -expm1(-dt / p.filter_time) if p.filter_time > 0.0 else 1.0
-    return Combined(joint.friction, share, -expm1(-dt * p.level_rate), p.reversal_speed)
+    return Combined(
+        joint=joint,
+        level=level,
+        change=p.level_rate * dt / level if level > 0.0 else 0.0,
+        one_way=ceil(ONE_WAY / bandwidth / dt),
+        prediction=design_prediction(body.a, body.b, body.drive, dt, HORIZON / bandwidth),
+        drive=design_drive(body.drive, dt),
+        inversion=max(body.drive.lag * bandwidth / SHORTEST_LAG, 1.0),
+    )
+
+
+def assumed(body: Body, bandwidth: float) -> Body:
+    """The body whose drive is at least as late as is assumed."""
+    drive = body.drive
+    lag = max(drive.lag, ASSUMED_LAG / bandwidth - drive.delay * body.dt)
+    return body._replace(drive=drive._replace(lag=lag))
 
 
 @inlined
-def estimate(memory: CombinedMemory, x: np.ndarray, p: Combined) -> float:
-    """F̂ [V]; without its viscous part at most the highest level that adaptation allows."""
-    if isnan(x[OBSERVED_FRICTION]):
-        return 0.0
-    v, viscous = x[PHI_DOT], p.friction.viscous * x[PHI_DOT]
-    limit = LARGEST_FACTOR * highest_level(p.friction)
-    return _dry_friction(memory, v, x[OBSERVED_FRICTION] - viscous, limit, p) + viscous
+def estimate(memory: CombinedMemory, x: np.ndarray, observed: float, p: Combined) -> float:
+    """F̂ [V] for the time when it acts; ``observed`` [V] is what the model lacks now.
+
+    If that is NaN, the linear model does not hold, and F̂ is the modelled friction at the present
+    speed.
+    """
+    fed_back = x[APPLIED_TORQUE] - memory.sent
+    acting_torque(memory.feedback, fed_back if not isnan(fed_back) else 0.0, p.drive)
+    v, rest = x[PHI_DOT], 0.0
+    if not isnan(observed):
+        _learn(memory, v, observed, p)
+        v, rest = predicted(memory.feedback, x, PHI_DOT, p.prediction), observed
+    dry = bristle_observer.dry_friction(memory.bristle, v, x[PHI], p.joint.friction, p.joint)
+    viscous = p.joint.friction.viscous * v
+    largest = LARGEST_LEVEL * p.level
+    model = memory.level * dry
+    due = min(max(model + rest, -largest), largest) + viscous
+    # Behind the lag, what is sent follows what is due with the lag divided by the inversion.
+    share = p.drive.end_share
+    memory.model = memory.model_lag + p.inversion * (model + viscous - memory.model_lag)
+    memory.model_lag += share * (memory.model - memory.model_lag)
+    memory.sent = memory.sent_lag + p.inversion * (due - memory.sent_lag)
+    memory.sent_lag += share * (memory.sent - memory.sent_lag)
+    return memory.sent
 
 
 @inlined
-def _dry_friction(
-    memory: CombinedMemory, v: float, observed: float, limit: float, p: Combined
-) -> float:
-    """F̂ [V] at speed v [rad/s], at most ``limit`` [V]; it and ``observed`` without viscous part."""
-    forward = v >= 0.0
-    learned = memory.forward if forward else memory.backward
-    if abs(v) > SLIDING * p.reversal_speed:
-        level = min(max(observed if v > 0.0 else -observed, 0.0), limit)
-        learned += p.level_share * (level - learned)
-    if forward:
-        memory.forward = learned
-    else:
-        memory.backward = learned
-    model = learned * tanh(v / p.reversal_speed)
-    rest = memory.rest + p.filter_share * (observed - model - memory.rest)
-    memory.rest = min(max(rest, -limit), limit)
-    return min(max(model + memory.rest, -limit), limit)
+def _learn(memory: CombinedMemory, v: float, rest: float, p: Combined) -> None:
+    """Let the level follow the rest, where the arm slides at speed v in one direction."""
+    direction = 1.0 if v > 0.0 else -1.0
+    memory.one_way = memory.one_way + 1 if direction == memory.direction else 0
+    memory.direction = direction
+    slides = memory.model_lag * direction > SLIDING * memory.level * p.level
+    if slides and memory.one_way >= p.one_way:
+        change = p.change * rest * direction
+        level = memory.level + (change if change > 0.0 else FALL * change)
+        memory.level = min(max(level, SMALLEST_LEVEL), LARGEST_LEVEL)
+
+
+@inlined
+def forget(memory: CombinedMemory) -> None:
+    """Relax the bristle and forget what has been sent; the level is kept."""
+    memory.bristle.z = memory.model = memory.sent = memory.model_lag = memory.sent_lag = 0.0
+    memory.one_way = 0
+    forget_voltages(memory.feedback)

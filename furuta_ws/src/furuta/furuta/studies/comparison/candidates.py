@@ -48,22 +48,24 @@ _DITHER = {"excitation.kind": "sine", "excitation.amplitude": 4.0, "excitation.p
 # Every compensation with its parameters as they are set, methods without a friction estimate, and
 # the recommended setting, which follows from the model of the settings.
 STANDARD = {name: _standard(name) for name in COMPENSATIONS} | {
-    "combined_twisting": _standard("combined", super_twisting=1.0),
-    "super_twisting": _standard("none", super_twisting=10.0),
     "integral": _standard("none", integral_time=5.0),
     RECOMMENDED: {},
     "dither": _standard("none", **_DITHER),
 }
 # Without any compensation, whatever the settings add to it.
-UNCOMPENSATED = Candidate("uncompensated", _standard("none", super_twisting=0.0))
-# Strengths of the recommended setting, among which the best one of a rig is searched.
-STRENGTHS = (0.0, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0)
+UNCOMPENSATED = Candidate("uncompensated", _standard("none"))
+# Bandwidths [1/s] of the recommended setting, among which the best one of a rig is searched; 0: no
+# compensation.
+BANDWIDTHS = (0.0, 12.5, 25.0, 35.0, 50.0, 70.0, 100.0)
 
 
-def strength_candidates(settings: Settings) -> tuple[Candidate, ...]:
-    """The recommended setting with each of :data:`STRENGTHS`."""
+def bandwidth_candidates(settings: Settings) -> tuple[Candidate, ...]:
+    """The recommended setting with each of :data:`BANDWIDTHS`."""
     values = recommended_values(loop(settings), settings.chosen())
-    return tuple(Candidate(f"{k:g}", values | {"controller.strength": k}) for k in STRENGTHS)
+    return tuple(
+        Candidate(f"{k:g}", values | {"friction_observer.bandwidth": k} if k else UNCOMPENSATED[1])
+        for k in BANDWIDTHS
+    )
 
 
 def parse_candidates(texts: Iterable[str], settings: Settings) -> tuple[Candidate, ...]:
