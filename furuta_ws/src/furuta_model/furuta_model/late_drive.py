@@ -120,7 +120,7 @@ def design_prediction(
         step[:RIGID_STATES, -1] = sampled.mean_share * exact[:, -1]
         step[-2, -2:] = 1.0 - sampled.end_share, sampled.end_share
         step[-1, -1] = 1.0
-        over_lag = np.linalg.matrix_power(step, held)
+        over_lag = np.linalg.matrix_power(step, held).copy()
         response[:, 0] = over_lag[:-1, -1]
         for sample in range(drive.delay):
             response[:, sample] += over_lag[:-1, :-1] @ step[:-1, -1]
