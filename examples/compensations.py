@@ -12,9 +12,10 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import furuta
+from furuta.quantities import QUANTITIES
 
 RIG = {"plant.friction.asymmetry": 0.05}  # the motor's friction differs by direction
-LABELS = ("arm φ [rad]", "control u [V]", "friction [V]")
+LABELS = [QUANTITIES[name].axis for name in ("arm", "command", "friction")]
 lugre = furuta.make_loop(RIG | {"compensation": "lugre"})
 tuned = furuta.tune(furuta.make_loop(RIG), compensations=["lugre"], enough=0.25)
 loops = {
@@ -22,15 +23,17 @@ loops = {
     "Fig. 8: LuGre": lugre,
     "Fig. 9: LuGre, tuned": lugre._replace(observer=tuned.after.compensation.observer),
 }
+COMMAND, FRICTION, ESTIMATE = (QUANTITIES[name] for name in ("command", "friction", "estimate"))
 figure, axes = plt.subplots(3, 3, figsize=(12, 7), sharex=True, sharey="row", layout="constrained")
 for column, (title, loop) in zip(axes.T, loops.items(), strict=True):
     run = furuta.simulate(loop, 40.0)
     last = run.time >= 36.0
-    time = run.time[last] - 36.0
-    column[0].plot(time, run.state[last, 0])
-    column[1].plot(time, run.command[last], color="C2", lw=0.8)
-    column[2].plot(time, run.friction[last], color="C3", lw=2.4, alpha=0.7, label="true F")
-    column[2].plot(time, run.friction_estimate[last], color="0.15", lw=0.6, label="estimate of F")
+    time, friction, estimate = run.time[last] - 36.0, run.friction, run.friction_estimate
+    true = {"color": FRICTION.light, "lw": 2.4, "alpha": 0.7, "label": "true F"}
+    column[0].plot(time, run.state[last, 0], color=QUANTITIES["arm"].light)
+    column[1].plot(time, run.command[last], color=COMMAND.light, lw=0.8)
+    column[2].plot(time, friction[last], **true)
+    column[2].plot(time, estimate[last], color=ESTIMATE.light, lw=0.8, label=ESTIMATE.title)
     column[0].set_title(title)
     column[2].set(xlabel="time [s]", xlim=(0.0, 4.0), ylim=(-0.27, 0.4))
     print(f"{title}: {np.ptp(run.state[run.time >= 20.0, 0]):.3f} rad")

@@ -11,6 +11,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import furuta
+from furuta.quantities import QUANTITIES
 
 LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
 figure, axes = plt.subplots(1, 5, figsize=(13, 3.4), sharex=True, sharey=True, layout="constrained")
@@ -18,7 +19,7 @@ for axis, law in zip(axes, LAWS, strict=True):
     loop = furuta.make_loop({"friction.law": law})
     cycle = furuta.limit_cycle(loop)
     motion = furuta.trace_cycle(loop, cycle)
-    axis.plot(motion.state[:, 1], motion.friction, color="tab:red")
+    axis.plot(motion.state[:, 1], motion.friction, color=QUANTITIES["friction"].light)
     axis.set(title=law, xlabel="arm speed v [rad/s]", xlim=(-0.3, 0.3))
     axis.grid(alpha=0.3)
     print(f"{law}: {cycle.phi_peak_to_peak_rad:.4f} rad, sticks for {cycle.stuck_fraction:.1%}")

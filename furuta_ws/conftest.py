@@ -28,7 +28,7 @@ sys.path[:] = [path for path in sys.path if Path(path).resolve().parent != SOURC
 SLOW = ("processes", "workspace", "graph", "proofs", "soak", "identification", "furuta")
 
 # What some files of tests import, and rosdep does not install.
-OPTIONAL = ("distributed", "flint", "gymnasium", "viser", "websockets")
+OPTIONAL = ("distributed", "flint", "gymnasium", "websockets")
 
 
 class FileOfTests(pytest.Module):

@@ -1,4 +1,8 @@
-"""Builds the page in one file: ``python docs/site/one_page.py output/furuta.html``."""
+"""Builds the page in one file: ``python docs/site/one_page.py output/furuta.html``.
+
+With ``--library`` it writes what the page uses of three.js into the package, after a change of its
+version or of ``three_parts.js``.
+"""
 
 import base64
 import gzip
@@ -28,17 +32,28 @@ from page_designs import (
 from page_translation import Page, selected, translated
 
 import furuta
-from furuta.export.text import filled_text
-from furuta.limit_cycles.periodic_orbit import trace
+from furuta.quantities import QUANTITIES
+from furuta_bringup.page.exact_cycle import described_cycle
 from furuta_hw.emulator.firmware_compiler import run_compiler
 
 ROOT = Path(__file__).parents[2]
 HERE = ROOT / "docs" / "site" / "page"
-SCENES = ROOT / "furuta_ws/src/furuta_bringup/furuta_bringup/page/guided_scenes.yaml"
-DECLARED = yaml.safe_load(SCENES.read_text())
+# The page of `furuta view`, which this one is too.
+PACKAGE = ROOT / "furuta_ws/src/furuta_bringup/furuta_bringup/page"
+WEB = PACKAGE / "web"
+DECLARED = yaml.safe_load((PACKAGE / "guided_scenes.yaml").read_text(encoding="utf-8"))
 MODULES = ROOT / "output" / "page" / "node_modules"
 BUNDLER = MODULES / ".bin" / "esbuild"
 OPTIONS = "-std=c99", "-target", "wasm32-freestanding", "-O2", "-ffp-contract=off"
+# What one file has in place of what a server sends: its own policy, and all that it needs.
+POLICY = (
+    '<meta http-equiv="Content-Security-Policy" content="default-src \'none\'; '
+    "script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
+    'img-src blob: data:">'
+)
+STYLE = '<link rel="stylesheet" href="page.css">'
+SCRIPT = '<script type="module" src="page.js"></script>'
+DATA = "@data@"
 # The only library is the compiler's own, which has fma.
 ALONE = "-nodefaultlibs", "-fno-builtin-memset", "-Wl,--no-entry", "-Wl,--strip-all"
 
@@ -93,6 +108,8 @@ def data() -> dict[str, Any]:
         "words": DECLARED["words"],
         "what_if": steps(DECLARED["what_if"]),
         "cycles": cycles(),
+        "lengths": [BASE.plant.model.arm_length, BASE.plant.model.pendulum_length],
+        "quantities": {name: each._asdict() for name, each in QUANTITIES.items()},
     }
 
 
@@ -105,8 +122,13 @@ def rank(knob: Knob) -> int:
 def shown(knob: Knob) -> dict[str, Any]:
     """A knob as the page shows it: one that multiplies a number is a slider that shows it."""
     plain = DECLARED["in_sight"].get(knob.shows, {})
-    if knob.name == "compensation":
-        plain = plain | {"words": DECLARED["compensations"]}
+    words = DECLARED["compensations"] if knob.name == "compensation" else knob.words
+    idle = {
+        other.name: value
+        for name, value in plain.get("idle", {}).items()
+        for other in ALL_KNOBS.values()
+        if other.shows == name
+    }
     base = {"base": BASE_VALUES[knob.shows]} if knob.shows in BASE_VALUES else {}
     return {
         "name": knob.name,
@@ -114,10 +136,11 @@ def shown(knob: Knob) -> dict[str, Any]:
         "symbol": plain.get("symbol", ""),
         "meaning": knob.meaning,
         "values": list(knob.values),
-        "words": [plain.get("words", {}).get(value, value) for value in knob.values],
+        "words": [words.get(value, value) for value in knob.values],
         "initial": knob.initial,
         "unit": knob.unit,
         "in_sight": bool(plain) and knob.shows != STRENGTH,
+        "idle": idle or None,
         **base,
     }
 
@@ -158,50 +181,54 @@ BASE_VALUES = {
 def cycles() -> dict[str, Any]:
     """The exact cycle and its prediction without compensation, by friction level and first poles.
 
-    For each level with the usual poles, and for all poles at the usual level. ``orbit`` has arm
-    angle about its middle and speed [rad, rad/s], ``exact`` and ``predicted`` are the arm's motion
-    peak to peak [rad].
+    For each level with the usual poles, and for all poles at the usual level.
     """
     levels, poles = (ALL_KNOBS[name].values for name in ("level", "omega1"))
     wanted = {(f"{level:g}", "1") for level in LEVELS} | {("1", pole) for pole in poles}
     found = {}
     for level, pole in sorted(wanted):
         loop = furuta.ideal_loop(loop_of({**levels[level], **poles[pole]}))
-        cycle = furuta.limit_cycle(loop)
-        predicted = furuta.predict_cycles(loop).cycles
-        if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s) or not predicted:
-            continue
-        orbit = trace(loop, cycle).state[:, :2]
-        orbit[:, 0] -= (orbit[:, 0].max() + orbit[:, 0].min()) / 2
-        found[f"{level} {pole}"] = {
-            "exact": cycle.phi_peak_to_peak_rad,
-            "predicted": predicted[-1].phi_peak_to_peak_rad,
-            "orbit": orbit[:: 1 + len(orbit) // 200].round(5).tolist(),
-        }
+        if cycle := described_cycle(loop):
+            found[f"{level} {pole}"] = cycle
     return found
 
 
-def bundled() -> str:
-    """The script of the page with what it uses of three.js; `make page-tools` installs both."""
-    options = "--bundle", "--minify", "--format=esm", "--target=es2022", "--log-level=warning"
-    command = [str(BUNDLER), str(HERE / "page.js"), *options]
+def bundled(entry: Path, *options: str) -> str:
+    """A script with all that it imports, minified; `make page-tools` installs what is needed."""
+    usual = "--bundle", "--minify", "--format=esm", "--target=es2022", "--log-level=warning"
+    command = [str(BUNDLER), str(entry), *usual, *options]
     found = os.environ | {"NODE_PATH": str(MODULES)}
     done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env=found)
     return done.stdout
 
 
+def library() -> dict[str, str]:
+    """What the stage uses of three.js, and its licence, by the names of their files."""
+    script = bundled(HERE / "three_parts.js", "--legal-comments=inline")
+    licence = (MODULES / "three" / "LICENSE").read_text(encoding="utf-8")
+    return {"three.js": script, "three.LICENSE": licence}
+
+
 def build(out: Path) -> int:
     """Write the page; return its size in bytes."""
-    html = filled_text(
-        (HERE / "page.html").read_text(),
-        style=(HERE / "page.css").read_text(),
-        data=encoded(gzip.compress(json.dumps(data()).encode(), mtime=0)),
-        script=bundled().replace("</script", "<\\/script"),
-    )
+    html = (WEB / "page.html").read_text(encoding="utf-8")
+    script = bundled(WEB / "page.js").replace("</script", "<\\/script")
+    style = (WEB / "page.css").read_text(encoding="utf-8")
+    for part, content in {
+        STYLE: f"{POLICY}\n<style>{style}</style>",
+        DATA: encoded(gzip.compress(json.dumps(data()).encode(), mtime=0)),
+        SCRIPT: f'<script type="module">{script}</script>',
+    }.items():
+        before, after = html.split(part)
+        html = before + content + after
     out.parent.mkdir(parents=True, exist_ok=True)
-    return out.write_text(html)
+    return out.write_text(html, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    written = build(Path(sys.argv[1]))
-    print(f"{sys.argv[1]}: {written / 1000:.0f} kB")
+    if sys.argv[1:] == ["--library"]:
+        for name, content in library().items():
+            (WEB / name).write_text(content, encoding="utf-8")
+    else:
+        written = build(Path(sys.argv[1]))
+        print(f"{sys.argv[1]}: {written / 1000:.0f} kB")

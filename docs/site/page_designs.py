@@ -7,6 +7,7 @@ strength of the compensation multiplies what the rows say.
 
 from collections.abc import Iterator, Mapping
 from itertools import product
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,7 +35,8 @@ WHOLE_TURN = {f"{node}.sensors.potentiometer_range": np.pi for node in ("plant",
 class Knob(NamedTuple):
     """What can be turned: its name, title and meaning for the reader, and settings by value.
 
-    A knob that multiplies a parameter names it, and its ``unit``: the page shows its value.
+    A knob that multiplies a parameter names it, and its ``unit``: the page shows its value. Of the
+    others ``words`` tells values that do not speak for themselves.
     """
 
     name: str
@@ -44,6 +46,7 @@ class Knob(NamedTuple):
     initial: str
     shows: str = ""
     unit: str = ""
+    words: Mapping[str, str] = MappingProxyType({})
 
 
 def times(factors: tuple[float, ...], **parameters: float) -> dict[str, Settings]:
@@ -74,9 +77,11 @@ FRICTION_KNOBS = (
     Knob(
         "law",
         "Friction law",
-        "lugre: the arm moves a bristle before it slides, eq. (5); coulomb: it truly sticks",
+        "LuGre: the arm moves a bristle before it slides, eq. (5); the others: it does not move "
+        "while it sticks",
         {law: {"plant.friction.law": law} for law in ("lugre", "coulomb", "stiction")},
         "lugre",
+        words={"lugre": "LuGre", "coulomb": "Coulomb", "stiction": "Stiction"},
     ),
     Knob(
         "level",
@@ -100,19 +105,21 @@ FRICTION_KNOBS = (
     ),
     Knob(
         "belt",
-        "Belt [Hz]",
-        "natural frequency of an elastic belt between motor and arm; 0: rigid",
+        "Belt between motor and arm",
+        "the frequency is that at which an elastic belt vibrates",
         {f"{f:g}": {"plant.coupling.frequency": float(f)} for f in (0, 100, 50)},
         "0",
+        words={"0": "rigid", "100": "elastic, 100 Hz", "50": "elastic, 50 Hz"},
     ),
 )
 SENSOR_KNOBS = (
     Knob(
         "sensors",
         "Sensors",
-        "rig: encoder, tachometer and potentiometer with noise; ideal: all states exactly",
+        "with noise: encoder, tachometer and potentiometer of the rig; ideal: all states exactly",
         {"rig": {}, "ideal": {"sensors.ideal": True}},
         "rig",
+        words={"rig": "with noise"},
     ),
     MODE,
 )
@@ -140,8 +147,9 @@ CONTROL_KNOBS = (
     ),
     Knob(
         "omega1",
-        "First poles ×",
-        f"ω₁ = {BASE.controller.poles.omega1:g} rad/s of the closed loop, times this; L follows",
+        "Speed of the controller ×",
+        f"ω₁ = {BASE.controller.poles.omega1:g} rad/s of the closed loop, times this; the gains L "
+        "follow from it",
         times((0.7, 1, 1.25, 1.5), controller__omega1=BASE.controller.poles.omega1),
         "1",
     ),
@@ -151,9 +159,10 @@ DRIVE_KNOBS = (
     Knob(
         "motor",
         "Motor",
-        "late: its torque follows the command 10 ms later, with a lag of 15 ms",
+        "slow: its torque follows the command 10 ms later, with a lag of 15 ms",
         {"as it is": {}, "late": {"plant.drive.delay": 10, "plant.drive.lag": 0.015}},
         "as it is",
+        words={"late": "slow"},
     ),
 )
 STRENGTH_KNOB = Knob(

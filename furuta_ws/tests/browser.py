@@ -3,7 +3,6 @@
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import isnan
 from time import monotonic
 from typing import Any
 
@@ -20,7 +19,6 @@ OPTIONS = [
 ]
 TIMEOUT = 240.0  # [s]
 CANVAS = "canvas[data-engine]"  # of the pendulum in 3D
-CHARTS = "__viserTestpoints.uplots"
 
 
 def browser_path() -> str:
@@ -60,50 +58,13 @@ class Page:
             self.page.wait_for_timeout(100)
         return value
 
-    def close_notice(self) -> None:
-        """Close the notice on a browser without graphics hardware: it covers the pendulum."""
-        notice = self.page.locator(".mantine-Notification-root")
-        notice.get_by_role("button").click()
-        notice.wait_for(state="detached")
-
-    def picture(self) -> bytes:
-        """The pendulum as it is shown now."""
-        box = self.page.locator(CANVAS).bounding_box()
-        return bytes(self.page.screenshot(clip=box, timeout=1e3 * TIMEOUT))
-
-    def curve(self, label: str) -> list[float]:
-        """The values of a curve in the charts over time."""
-        code = (
-            f"name => {{ for (const one of Object.values(window.{CHARTS} ?? {{}})) {{"
-            "const at = one.chart.series.findIndex(each => each.label === name);"
-            "if (at > 0) return Array.from(one.chart.data[at]); } return []; }"
-        )
-        values = self.page.evaluate(code, label)
-        return [each for each in values if each is not None and not isnan(each)]
-
     def text(self, selector: str) -> str:
         """All visible text of the elements."""
         return " ".join(self.page.locator(selector).all_inner_texts())
 
-    def row(self, label: str) -> Any:
-        """The row of controls with this label that comes first; a closed folder does not count."""
-        shown = self.page.get_by_text(label, exact=True).locator("visible=true")
-        return shown.first.locator("xpath=ancestor::*[.//input][1]")
-
-    def choose(self, label: str, option: str) -> None:
-        """Choose an option of a list."""
-        self.row(label).locator("input").first.click()
-        self.page.get_by_role("option", name=option, exact=True).click()
-
     def press(self, button: str) -> None:
         """Press the first button with this name."""
         self.page.get_by_role("button", name=button, exact=True).first.click()
-
-    def figures(self) -> dict[str, str]:
-        """Values by name in all tables."""
-        cells = "r => [...r.cells].map(c => c.innerText)"
-        rows = f"[...document.querySelectorAll('.status tr')].map({cells})"
-        return dict(self.page.evaluate(rows))
 
     def serious_violations(self, selector: str) -> list[str]:
         """What axe-core finds serious in the elements; skips the test where it is not installed."""
@@ -115,7 +76,10 @@ class Page:
 
 @contextmanager
 def open_browser() -> Iterator[Callable[..., Page]]:
-    """A function that opens an address in a page of a width and height [pixels]."""
+    """A function that opens an address in a page of a width and height [pixels].
+
+    Further arguments are those of a context of playwright.
+    """
     path = browser_path()
     from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not where it is skipped
 
@@ -123,9 +87,9 @@ def open_browser() -> Iterator[Callable[..., Page]]:
         browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
         try:
 
-            def show(address: str, width: int = 1280, height: int = 800) -> Page:
+            def show(address: str, width: int = 1280, height: int = 800, **about: Any) -> Page:
                 size: Any = {"width": width, "height": height}
-                return Page(browser.new_page(viewport=size), address)
+                return Page(browser.new_page(viewport=size, **about), address)
 
             yield show
         finally:

@@ -11,12 +11,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from browser import OPTIONS, browser_path
+from browser import open_browser
 from PIL import Image
-from playwright.sync_api import sync_playwright
 
 RATE = 12  # pictures per second
-SIZE, SCALE, QUALITY = {"width": 1280, "height": 800}, 0.75, 55
+SCALE, QUALITY = 0.75, 55
 # Scenes, and the step with the recommended compensation.
 COMPENSATE, UPSET, RECOMMENDED = 2, 4, 3
 
@@ -45,11 +44,8 @@ def swing_up(page: Any) -> Iterator[Image.Image]:
 
 def main(page_file: str, folder: str) -> None:
     """Write both pictures."""
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=browser_path(), args=OPTIONS)
-        page = browser.new_page(viewport=SIZE)
-        page.goto(Path(page_file).absolute().as_uri())
-        page.wait_for_selector("#scene h2")
+    with open_browser() as show:
+        page = show(Path(page_file).absolute().as_uri()).page
         page.evaluate("page.state.paused = true; page.drawing.simplify(0, true)")
         for name, shown in {"page.webp": compensation, "swing-up.webp": swing_up}.items():
             first, *others = shown(page)
@@ -57,7 +53,6 @@ def main(page_file: str, folder: str) -> None:
             options: Any = {"save_all": True, "append_images": others, "duration": 1000 // RATE}
             first.save(out, **options, loop=0, quality=QUALITY, method=6)
             print(f"{out}: {1 + len(others)} pictures, {out.stat().st_size / 1e6:.2f} MB")
-        browser.close()
 
 
 if __name__ == "__main__":

@@ -65,7 +65,7 @@ def test_malformed_messages_do_not_end_a_recording(
 def test_malformed_messages_do_not_end_the_page(bench: Bench) -> None:
     """Its node leaves them out."""
     received: list[ParameterEvent] = []
-    node = bench.add(LiveNode(received.append))
+    node = bench.add(LiveNode(received.append, lambda time, phi, theta: None))
     events = bench.publisher(PARAMETER_EVENTS)
     states = bench.publisher(JOINT_STATES.throttled)
     for data in MALFORMED:

@@ -2,13 +2,18 @@
 
 import numpy as np
 import pytest
+from rcl_interfaces.msg import SetParametersResult
+from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from std_srvs.srv import Trigger
 
 from furuta.settings.settings import load_settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
+from furuta_ros.node import LATCHED
 from furuta_ros.spinning import spin_until
+from furuta_ros.topics import INITIAL_STATE
 
 
 def largest_angle(graph: SimulatedGraph, seconds: float) -> float:
@@ -43,5 +48,39 @@ def test_loop_recovers_by_reset(ros: None, clock: str) -> None:
     graph = SimulatedGraph(load_settings([], [f"clock={clock}"]), [user])
     try:
         fall_and_reset(graph, user)
+    finally:
+        graph.close()
+
+
+def test_a_state_is_set_and_told(ros: None) -> None:
+    """What is left out is 0. A late subscriber hears of it; a mistake changes nothing."""
+    user, told = Node("user"), []
+    graph = SimulatedGraph(load_settings([], ["clock=lockstep"]), [user])
+    client = user.create_client(SetParametersAtomically, "plant/set_state")
+
+    def set_state(**values: object) -> SetParametersResult:
+        given = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+        answer = client.call_async(SetParametersAtomically.Request(parameters=given))
+        spin_until(graph.executor, answer.done)
+        return answer.result().result
+
+    try:
+        largest_angle(graph, 0.2)
+        for wrong, reason in (
+            ({"theta": 4.0}, "-3.14159"),
+            ({"psi": 0.1}, "no psi in a state"),
+            ({"theta": "up"}, "theta"),
+        ):
+            refused = set_state(**wrong)
+            assert not refused.successful
+            assert reason in refused.reason
+        assert graph.plant.time < 100.0
+        assert set_state(phi=0.2, theta=-0.3).successful
+        assert graph.plant.x[:4] == pytest.approx([0.2, 0.0, -0.3, 0.0])
+        user.create_subscription(INITIAL_STATE.message, INITIAL_STATE.name, told.append, LATCHED)
+        spin_until(graph.executor, lambda: told)
+        assert list(told[0].position) == [0.2, -0.3]
+        assert largest_angle(graph, 4.0) < 0.5
+        assert abs(graph.plant.x[2]) < 0.1  # it is balanced again
     finally:
         graph.close()

@@ -1,48 +1,66 @@
-"""Controls of the page without a graph: what the bridge says, and what the user has chosen."""
+"""What the page is told of a rig and of a parameter, and what it may set."""
 
-from types import SimpleNamespace
-from typing import Any
-
+import pytest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from furuta_bringup.page.parameter_panel import Control, Described
-from furuta_bringup.page.rig_controls import RigControls
-from furuta_bringup.page.server import PageServer
+from furuta_bringup.page.described import Described
+from furuta_bringup.page.nodes_on_page import plain
+from furuta_bringup.page.rig_status import rig_status
+from furuta_model.parameters import ParameterError
+
+IDLE = "yet; active, stops: 0"
 
 
 def test_silent_bridge_is_not_shown_as_it_was() -> None:
     """A bridge that has ended said last that it is armed; that may be wrong now."""
-    server, link = PageServer(), SimpleNamespace(bridge=SimpleNamespace(arm=None, disarm=None))
-    rig = RigControls(server, link)  # type: ignore[arg-type]
     said = {"armed": "True", "state": "active", "stops": "0"}
     values = [KeyValue(key=key, value=value) for key, value in said.items()]
     status = DiagnosticStatus(message="driving", values=values)
-    rig.show(None, 1.0)
-    assert "no diagnostics" in rig.shown.content
-    rig.show(status, 1.0)
-    assert "ARMED" in rig.shown.content
-    rig.show(status, 30.0)
-    assert "ARMED" not in rig.shown.content
-    assert "silent for 30 s" in rig.shown.content
-    server.stop()
+    assert "no diagnostics" in rig_status(None, 1.0)["text"]
+    assert rig_status(status, 1.0)["title"] == "ARMED"
+    assert rig_status(status, 30.0)["title"] == "unknown"
+    values[0].value, status.message = "False", "not armed yet"
+    assert rig_status(status, 1.0) == {"title": "not armed", "kind": "", "text": IDLE}
+    assert "silent for 30 s" in rig_status(status, 30.0)["text"]
 
 
-def test_an_older_value_does_not_take_back_what_the_user_has_chosen() -> None:
-    """The node confirms a value while the page has a newer one, of which nobody was told yet."""
-    callbacks: list[Any] = []
-    slider = SimpleNamespace(value=0.2, min=0.0, max=1.0, on_update=callbacks.append)
-    gui = SimpleNamespace(
-        add_slider=lambda *_, **__: slider, add_html=lambda *_, **__: SimpleNamespace()
-    )
-    entered: list[float] = []
-    control = Control(gui, 0.0, Described("alpha0", 0.2, low=0.0, high=1.0), entered.append)
-    by_user = SimpleNamespace(client=object())
-    slider.value = 0.3
-    callbacks[0](by_user)
-    slider.value = 0.4
-    control.update(0.3)
-    callbacks[0](by_user)
-    assert entered == [0.3, 0.4]
-    control.update(0.4)
-    control.update(0.5)  # set by someone else
-    assert slider.value == 0.5
+@pytest.mark.parametrize(
+    ("value", "given", "accepted"),
+    [
+        (0.2, 3, 3.0),
+        (0.2, "1e-3", 1e-3),
+        (5, "7", 7),
+        ([0.0], "[1, 2]", [1.0, 2.0]),
+        ([0.0], [1, 2.5], [1.0, 2.5]),
+        ("lugre", "coulomb", "coulomb"),
+        (True, False, False),
+    ],
+)
+def test_values_have_the_type_of_the_parameter(
+    value: object, given: object, accepted: object
+) -> None:
+    found = Described("name", value).accepted(given)
+    assert found == accepted
+    assert type(found) is type(accepted)
+
+
+@pytest.mark.parametrize(
+    ("value", "wrong"),
+    [
+        ([0.0], ("a b", [[1.0]], "[1, x]")),
+        (0.2, ("high", True, [1.0], None)),
+        (5, (2**70,)),
+        ("lugre", (3, {})),
+        (True, (1,)),
+    ],
+)
+def test_other_values_are_refused(value: object, wrong: tuple[object, ...]) -> None:
+    for given in wrong:
+        with pytest.raises(ParameterError, match="must be"):
+            Described("name", value).accepted(given)
+
+
+def test_every_value_of_a_parameter_can_be_told() -> None:
+    """JSON in a browser has no infinite number and no bytes."""
+    told = plain([1.5, float("inf"), float("nan"), b"\x01", "a", True, None])
+    assert told == [1.5, "inf", "nan", "01", "a", True, None]

@@ -10,7 +10,7 @@ from testbench import Bench, joint_state
 from furuta.settings.settings import Settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.page.live_node import LiveNode
-from furuta_bringup.page.samples import ESTIMATE, FRICTION, PHI, THETA_DOT, TIME
+from furuta_bringup.page.samples import ESTIMATE, FRICTION, PHI, THETA, TIME
 from furuta_ros.spinning import spin_until
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH, JOINT_STATES
@@ -22,7 +22,7 @@ COPIED = (*LOOP, FRICTION_ESTIMATE, GROUND_TRUTH)
 
 @pytest.fixture
 def view(ros: None) -> Iterator[LiveNode]:
-    node = LiveNode(lambda event: None)
+    node = LiveNode(lambda event: None, lambda time, phi, theta: None)
     yield node
     node.destroy_node()
 
@@ -55,7 +55,7 @@ def test_simulated_graph(view: LiveNode, settings: Settings) -> None:
         view.collect()
     samples = view.samples.last(10.0)
     assert samples[:, TIME] == pytest.approx(np.arange(100) / 100)
-    assert np.isfinite(samples[:, PHI : THETA_DOT + 1]).all()
+    assert np.isfinite(samples[:, PHI : THETA + 1]).all()
     assert np.isfinite(samples[:, FRICTION]).all()
     graph.close()
 
@@ -77,5 +77,5 @@ def test_node_without_throttled_copies(bench: Bench, view: LiveNode) -> None:
 
     bench.spin(received)
     (sample,) = view.samples.last(1.0)
-    assert sample[[TIME, PHI, THETA_DOT]] == pytest.approx([5.0, 0.1, 0.4])
+    assert sample[[TIME, PHI, THETA]] == pytest.approx([5.0, 0.1, 0.3])
     assert np.isnan(sample[[FRICTION, ESTIMATE]]).all()

@@ -31,7 +31,7 @@ def remove(
 @pytest.mark.parametrize(
     ("missing", "arguments", "remedy"),
     [
-        ("viser", "view --no-open", "pip install viser"),
+        ("websockets", "view --no-open", "pip install websockets"),
         ("pyarrow", "simulate --seconds 1 --out run.parquet", "pip install"),
         ("matplotlib", "simulate --seconds 1 --out run.png", "pip install matplotlib"),
         ("ziglang", "hw emulate --firmware", "ziglang"),

@@ -4,23 +4,23 @@ import os
 import re
 import signal
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from browser import Page, open_browser
-
-from furuta_bringup.page.guided_scenes import guided_steps
+from page_scenes import check_every_scene
 
 pytestmark = pytest.mark.timeout(900)
-
-# Width and height of the page: a small one, because software draws it [pixels].
-SIZE = (1000, 500)
-NARROW = (400, 800)
+SWING = "page.motion.remaining === 0 && page.motion.size * 180 / Math.PI"
+# A motion that began with a pendulum that leans.
+PUT = "page.motion.rows.length > 3 && Math.abs(page.motion.rows[0][3]) > 0.2"
+# What arrives in three hours at a page that draws nothing, at once.
+HIDDEN = """() => { const { source } = page, rows = new Float64Array(7 * 5000).fill(1e6);
+    for (let i = 0; i < 200; i++) source.receive(rows);
+    return source.rows.length; }"""
+COMPENSATION = "knob-friction_observer.compensation"
 NODES_OF_SCENES = ("controller", "estimator", "friction_observer")
-ENCODER_COUNT = 360.0 / 250  # [°]
 
 
 @pytest.fixture(scope="module")
@@ -68,136 +68,92 @@ def children(parent: int) -> dict[int, str]:
     return found
 
 
-def arm_size(page: Page) -> float:
-    """Peak to peak of the arm in the last half of the chart [°]; 0 while it is not full."""
-    values = page.curve("arm φ [°]")
-    return float(np.ptp(values[len(values) // 2 :])) if len(values) > 300 else 0.0
-
-
 def parameter(furuta: Any, node: str, name: str) -> str:
     status, out, err = furuta("param", "get", node, name)
     assert status == 0, err
     return str(out.strip())
 
 
+def opened(browser: Any, address: str, *size: int) -> Page:
+    """The page, once it knows the graph."""
+    page: Page = browser(address, *size)
+    page.wait(
+        lambda: page.page.evaluate("page.source.hasScenes && page.motion.rows.length"), "rows"
+    )
+    return page
+
+
 def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: Any) -> None:
     """It moves, makes the limit cycle disappear, shows a refusal, and does not hold up the graph.
 
-    After a change there is no figure until it has measured anew. A number counts when it is
-    complete. If the page is killed, the graph runs on.
-
-    In lock-step, so that the limit cycle does not depend on how busy the machine is.
+    It starts in real time. Another page shows the same, also a reset and where the pendulum is put.
+    If the server is killed, the page says so and the graph runs on.
     """
     process, address = started(processes, "--", "--lockstep")
-    page = browser(address, *SIZE)
-    page.close_notice()
-    before = page.wait(lambda: arm_size(page) > 25.0 and arm_size(page), "the limit cycle")
-    assert page.wait(lambda: degrees(page, "arm"), "its figure") == pytest.approx(before, rel=0.03)
-    pendulum = page.picture()  # all else stands still by now
-    page.wait(lambda: page.picture() != pendulum, "another picture of the pendulum")
-
-    page.choose("Compensation", "LuGre observer")
-    page.wait(lambda: "measuring" in page.figures()["arm"], "a new measurement")
-    page.wait(lambda: 0.0 < arm_size(page) < before / 10.0, "a limit cycle ten times smaller")
-    page.wait(lambda: (degrees(page, "arm") or np.inf) < before / 10.0, "its figure")
+    page, other = opened(browser, address), opened(browser, address, 390, 844)
+    speed = page.page.locator("#speed")
+    assert speed.locator("option:checked").inner_text() == "real time"
+    speed.select_option("as fast as possible")
+    before = page.wait(lambda: page.page.evaluate(SWING), "the limit cycle")
+    assert 25.0 < before < 35.0
+    page.wait(lambda: "period 2.3" in page.text("#figures"), "the period")
+    page.page.locator(f"[id='{COMPENSATION}']").select_option("lugre")
+    page.wait(lambda: 0 < (page.page.evaluate(SWING) or before) < before / 10, "a smaller swing")
     assert parameter(furuta, "friction_observer", "compensation") == "lugre"
+    assert other.page.locator(f"[id='{COMPENSATION}']").input_value() == "lugre"
 
-    box = page.row("Friction the observer expects α̂₀ [V]").locator("input").last
+    speed.select_option("real time")
+    page.page.evaluate("page.motion.reset()")
+    other.wait(lambda: other.page.evaluate("page.motion.remaining > 5"), "a new measurement")
+    page.page.evaluate("page.motion.reset(0.2, -0.25)")
+    angles = "[1, 3].map(i => page.motion.rows[0][i])"
+    for each in (page, other):
+        each.wait(lambda each=each: each.page.evaluate(PUT), "the pendulum where it was put")
+        assert each.page.evaluate(angles) == pytest.approx([0.2, -0.25], abs=0.02)
+
+    page.page.evaluate("document.querySelector('#more').open = true")
+    page.page.locator("#search").fill("observer alpha1")
+    box = page.page.locator("[id='knob-friction_observer.alpha1']")
     box.fill("150")
+    box.press("Enter")
     reason = page.wait(lambda: page.text(".refusal").strip(), "the node's reason")
-    assert "alpha0" in reason
+    assert "alpha1" in reason
     assert "100" in reason
-
+    assert float(box.input_value()) < 1.0
     assert page.errors == []
-    allowed = (address, f"blob:{address}", address.replace("http", "ws"))
+    allowed = (address, f"blob:{address}", "data:", address.replace("http", "ws"))
     assert all(each.startswith(allowed) for each in page.requests), page.requests
+    for each in (page, other):
+        assert each.serious_violations("body") == []
+        assert each.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+
+    assert 1000 < other.page.evaluate(HIDDEN) < 5000
 
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)
     os.kill(of_page, signal.SIGKILL)
-    # A new process: this one may have the port of the killed page, and would get no answer.
+    page.wait(lambda: "lost its server" in page.text("#notice"), "the notice")
     assert parameter(processes.run, "friction_observer", "compensation") == "lugre"
     process.send_signal(signal.SIGINT)
     assert process.wait(60) == 0
 
 
-def degrees(page: Page, name: str) -> float | None:
-    """The angle in a row of a table [°]; infinite after a fall, None while it is measured."""
-    angle, degree, _ = page.figures().get(name, "").partition("°")
-    return np.inf if angle == "fallen" else float(angle) if degree else None
-
-
-# Whether the parts of a scene lie below each other, and what scrolls cuts off none of them.
-ALL_IN_SIGHT = """(() => {
-    const scene = document.querySelector('.scene'), box = e => e.getBoundingClientRect();
-    let end = 0;
-    for (const part of scene.children) {
-        if (box(part).top < end - 1) return false;
-        end = box(part).bottom;
-    }
-    for (let e = scene.parentElement; e; e = e.parentElement)
-        if (getComputedStyle(e).overflowY !== 'visible' && box(e).bottom < end - 1) return false;
-    return true;
-})()"""
-
-
-def in_sight_on_wide_pages(page: Page, browser: Any) -> None:
-    """Wait until all of a scene is in sight on other pages of the same graph."""
-    for size in ((1280, 800), SIZE):
-        wide = browser(page.address, *size)
-        wide.wait(wide.page.locator(".scene").count, "the scene")
-        wide.wait(lambda wide=wide: wide.page.evaluate(ALL_IN_SIGHT), f"all in sight at {size}")
-        wide.page.close()
-
-
 @pytest.mark.long
 def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
-    """Each to its end; what is measured agrees with the text, and free play restores everything.
-
-    On a narrow page, which still shows the chart.
-    """
+    """As on the page in one file; the user's own settings restore everything."""
     process, address = started(processes, "--", "--lockstep")
-    page = browser(address, *NARROW)
-    page.wait(lambda: arm_size(page) > 25.0, "the limit cycle")
-    chart = page.page.locator(".uplot").first
-    ends = "e => e.getBoundingClientRect().bottom"
-    page.wait(lambda: chart.evaluate(ends) <= NARROW[1], "a chart in sight")
+    page = opened(browser, address)
     before = [furuta("param", "list", node)[1] for node in NODES_OF_SCENES]
-    sizes = {}
-    steps = guided_steps()
-    page.choose("scene", steps[0].scene.name)
-    for step in steps:
-        page.wait(lambda step=step: step.look in page.text(".scene"), step.name)
-        assert step.name in page.text("[aria-current]")
-        assert "measuring" in page.figures()[step.name]
-        page.wait(lambda: page.page.evaluate(ALL_IN_SIGHT), "all in sight")
-        if step.name == "feedback as it is":  # the most lines
-            in_sight_on_wide_pages(page, browser)
-        size = sizes[step.name] = page.wait(partial(degrees, page, step.name), step.name)
-        assert ("exact cycle" in page.figures()) == step.scene.predict
-        if step.scene.predict:
-            assert degrees(page, "exact cycle") == pytest.approx(size, rel=0.02)
-        if np.isfinite(size) and not step.push:
-            assert arm_size(page) == pytest.approx(size, rel=0.03, abs=ENCODER_COUNT)
-        swings = partial(degrees, page, step.name)
-        if step.name.startswith("stiffer bristles"):  # 5 to 7 degrees, anew every 5 s
-            page.wait(lambda swings=swings: (swings() or 0.0) > np.degrees(0.1), "a large swing")
-        if "recommended" in step.name:  # now and then the change of settings dies out slowly
-            page.wait(lambda swings=swings: (swings() or np.inf) < ENCODER_COUNT, "no swing")
-            sizes[step.name] = swings()
-        if step.name == "push on the pendulum":
-            page.wait(lambda: "has fallen" in page.text(".fallen"), "a word of the fall")
-            assert page.serious_violations(".fallen, .status, .scene") == []
-        elif step.push:
-            page.wait(lambda swings=swings: (swings() or np.inf) < ENCODER_COUNT, "recovery")
-        page.press("next")
-    page.page.wait_for_selector(".scene", state="hidden")
-    assert sizes["without friction"] < np.degrees(0.01)
-    assert sizes["Coulomb"] < sizes["none"] / 10
-    assert sizes["recommended"] < sizes["LuGre observer"] < sizes["Coulomb"]
-    assert sizes["friction × 1.5, LuGre observer"] > np.degrees(0.2)
-    assert sizes["friction × 1.5, recommended"] < ENCODER_COUNT
-    assert sizes["elastic belt, recommended"] < ENCODER_COUNT
-    assert sizes["push on the pendulum"] == np.inf
+
+    def run(shown: Any, seconds: float) -> None:
+        shown.wait_for_timeout(1500)  # until what was asked for is in force
+        end = shown.evaluate("page.source.time") + seconds
+        page.wait(lambda: shown.evaluate("page.source.time") > end, "time")
+        page.wait(lambda: shown.evaluate("page.motion.result") is not None, "a result")
+
+    page.press("1 Watch")
+    page.page.locator("#speed").select_option("as fast as possible")
+    check_every_scene(page.page, run)
+    page.page.locator("fieldset label").last.click()
     page.wait(
         lambda: [furuta("param", "list", node)[1] for node in NODES_OF_SCENES] == before,
         "the parameters before",
@@ -212,24 +168,27 @@ def test_all_scenes(processes: Any, furuta: Any, browser: Any) -> None:
 def test_rig_is_armed_and_disarmed_on_the_page(processes: Any, browser: Any) -> None:
     """With the emulated rig; the page says that it is armed, and why it stopped."""
     process, address = started(processes, "--", "--plant", "hardware", "--port", "mock")
-    page = browser(address, *SIZE)
-    arm = page.page.get_by_role("button", name="Arm", exact=True)
-    page.wait(arm.count, "the controls of the rig")
+    page = browser(address)
+    arm = page.page.locator("#arm")
+    page.wait(arm.is_visible, "the controls of the rig")
     arm.click()
 
     def has_been_armed() -> bool:
         """On a busy machine the guard may refuse, or stop the rig at once; the page says why."""
-        status = page.text(".rig")
-        if page.text(".note").strip():
+        status = page.text("#rig")
+        if page.text("#toast").strip():
             arm.click()
         return "ARMED" in status or ("stops: " in status and "stops: 0" not in status)
 
     page.wait(has_been_armed, "armed")
-    seconds = re.search(r"t = ([0-9.]+) s", page.text(".status"))
-    assert seconds is not None
-    assert float(seconds[1]) < 1000.0  # since the start, not since 1970
-    page.page.get_by_role("button", name="Disarm: 0 V").click()
-    page.wait(lambda: "not armed: " in page.text(".rig"), "disarmed")
+    assert page.page.locator("#scene").is_hidden()
+    assert page.page.locator("#key-f").is_hidden()
+    assert page.page.get_by_role("button", name=re.compile("Disarm")).count() == 1
+    assert page.page.locator("#reset").is_hidden()
+    shown = page.wait(lambda: re.search(r"t = ([0-9.]+) s", page.text(".hint")), "the time")
+    assert float(shown[1]) < 1000.0  # since the start, not since 1970
+    page.press("Disarm: 0 V")
+    page.wait(lambda: "not armed" in page.text("#rig"), "disarmed")
     assert page.errors == []
     process.send_signal(signal.SIGINT)
     assert process.wait(60) == 0

@@ -51,7 +51,7 @@ PIP = {
 # rosdep has no key for these: setup.cfg declares them as extras.
 WITHOUT_KEY = {
     *("axe_playwright_python", "distributed", "flint", "gymnasium", "playwright", "pyarrow"),
-    *("unicorn", "viser", "websockets", "ziglang"),
+    *("unicorn", "websockets", "ziglang"),
 }
 
 # The key of each import that has another name.

@@ -6,14 +6,16 @@ import base64
 import csv
 import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import page_designs as designs
 import pytest
-from browser import OPTIONS, browser_path
-from one_page import BUNDLER, DECLARED, HERE, build
+from browser import open_browser
+from one_page import BUNDLER, WEB, build, library
+from page_scenes import check_every_scene
 
 from furuta_model.parts.disturbances import Pushes
 from furuta_sim.simulation.closed_loop import simulate
@@ -36,8 +38,6 @@ CASES: dict[str, dict[str, str]] = {
     "weak": {"compensation": "recommended", "strength": "0.3"},
 }
 SECOND = 1000  # samples
-# How closely the motion agrees with the exact cycle of its step.
-EXACT = {"with friction": 0.02, "feedback as it is": 0.02, "faster feedback": 0.05}
 
 
 @pytest.fixture(scope="module")
@@ -69,42 +69,38 @@ def assert_same(results: np.ndarray, expected: np.ndarray) -> None:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    """Chromium."""
-    path = browser_path()
-    from playwright.sync_api import sync_playwright  # noqa: PLC0415 - not where it is skipped
-
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=OPTIONS)
-        yield browser
-        browser.close()
-
-
-def opened(browser: Any, file: Path, end: str = "", **context: Any) -> Any:
-    """The page without a network, with ``failures`` and ``requests`` as lists."""
-    size = {"width": 1280, "height": 800}
-    page: Any = browser.new_context(offline=True, **{"viewport": size, **context}).new_page()
-    page.failures, page.requests = [], []
-    page.on("pageerror", lambda error: page.failures.append(str(error)))
-    page.on("request", lambda request: page.requests.append(request.url))
-    page.goto(file.as_uri() + end)
-    page.wait_for_selector("#scene h2")
-    return page
+    """Opens pages without a network."""
+    with open_browser() as show:
+        yield partial(show, offline=True)
 
 
 @pytest.fixture(scope="module")
-def page(browser: Any, page_file: Path) -> Any:
+def opened(browser: Any, page_file: Path) -> Any:
     """The page, opened once."""
-    return opened(browser, page_file)
+    return browser(page_file.as_uri())
 
 
-def test_it_is_small_and_asks_for_nothing(page: Any, page_file: Path) -> None:
-    """Below 1 MB, and one request: that for the file. Its own policy allows no other one."""
-    assert page_file.stat().st_size < 1e6
-    assert page.requests == [page_file.as_uri()]
-    assert not page.failures
+@pytest.fixture
+def page(opened: Any) -> Any:
+    """The same for playwright."""
+    return opened.page
+
+
+def test_it_is_small_and_asks_for_nothing(opened: Any, page_file: Path) -> None:
+    """At most 700 kB, and one request: that for the file. Its own policy allows no other one."""
+    assert page_file.stat().st_size < 7e5
+    assert opened.requests == [page_file.as_uri()]
+    assert opened.errors == []
     assert "default-src 'none'" in page_file.read_text()
-    own = "".join(file.read_text() for file in HERE.glob("page.*"))
-    assert not re.search(r"(?:src|href)=|url\(|fetch\(|https?:", own)
+    own = "".join(file.read_text() for file in WEB.glob("*.[jhc][st]*") if file.stem != "three")
+    assert not re.search(r"url\(|fetch\(|https?:", own)
+    assert {"page.css", "page.js", "data:,"} == set(re.findall(r'(?:src|href)="([^"]*)"', own))
+
+
+def test_three_js_in_the_package_is_what_the_stage_uses() -> None:
+    """Of the version of package.json, with its licence."""
+    for name, content in library().items():
+        assert (WEB / name).read_text() == content
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -112,8 +108,8 @@ def test_samples_have_the_same_bits(case: str, page: Any) -> None:
     """In the browser, from the same noise."""
     noise = np.random.default_rng(0).standard_normal((SAMPLES, 2))  # that of the simulation
     code = (
-        "([knobs, push, noise]) => { const one = new page.Loop(page.DATA); one.turn(knobs);"
-        "one.signals[13] = push[0]; one.push(...push.slice(1)); one.signals[13] = 0;"
+        "([knobs, push, noise]) => { const one = new page.Loop(page.DATA); one.set(knobs);"
+        "one.signals[13] = push[0]; one.push(...push.slice(2), push[1]); one.signals[13] = 0;"
         "let text = ''; for (const byte of new Uint8Array(one.replay("
         "Float64Array.from(noise)).buffer)) text += String.fromCharCode(byte); return btoa(text); }"
     )
@@ -122,69 +118,26 @@ def test_samples_have_the_same_bits(case: str, page: Any) -> None:
     assert_same(np.delete(results, BRISTLE, 1), python_results(CASES[case], SAMPLES))
 
 
-def swing(page: Any) -> float:
-    """The arm's swing in the last 5 s, from the samples themselves [rad]."""
-    rows = np.array(page.evaluate("page.motion.rows"))
-    return float(np.ptp(rows[rows[:, 0] > rows[-1, 0] - DECLARED["measured"]["window"], 1]))
-
-
-def run(page: Any, seconds: float) -> float:
-    """Let time pass, faster than it does; the swing then [rad]."""
+def run(page: Any, seconds: float) -> None:
+    """Let time pass, faster than it does."""
     page.evaluate(f"page.motion.advance({seconds * SECOND}); page.tell()")
-    return swing(page)
 
 
-def test_every_scene_to_its_end(page: Any) -> None:
-    """What is printed is what is measured, and it agrees with what the scenes say.
-
-    The motion is the exact cycle's, compensation reduces it, and a fall is said. Under compensation
-    the motion is irregular: its size is the median of five windows.
-    """
+def test_every_scene_to_its_end(opened: Any, page: Any) -> None:
+    """As the page computes it."""
     page.evaluate("page.state.paused = true; page.enter(0, 0)")
-    sizes = {}
-    for scene in DECLARED["scenes"]:
-        for step in scene["steps"]:
-            row = page.locator("fieldset label").filter(has=page.locator(":checked"))
-            assert row.locator("span").inner_text() == step["name"]
-            assert page.locator(".look").inner_text() == step["look"]
-            run(page, 2.5)
-            assert page.locator("#counts").inner_text().startswith(("measuring: ", "push in "))
-            measured = run(page, 25.0)
-            printed = row.locator("output").inner_text()
-            if step["name"] == "push on the pendulum":
-                assert printed == "fell"
-                assert page.locator("#fallen").is_visible()
-                page.keyboard.press("r")
-                page.evaluate("page.tell()")
-                assert not page.locator("#fallen").is_visible()
-            else:
-                digits = 1 if np.rad2deg(measured) >= 3.0 else 2
-                assert printed == f"{np.rad2deg(measured):.{digits}f}°"
-                assert page.locator("#swing").inner_text() == printed
-            if step["name"] in EXACT:
-                exact = page.evaluate("page.cycle().exact")
-                assert measured == pytest.approx(exact, rel=EXACT[step["name"]])
-                if scene.get("predict"):
-                    shown = page.locator(".known b").first.inner_text()
-                    assert shown == f"{np.rad2deg(exact):.1f}°"
-            sizes[step["name"]] = np.median([run(page, 5.0) for _ in range(5)])
-            if step["name"] == "fall and swing up":
-                assert page.evaluate("Math.cos(page.motion.loop.signals[2])") > 0.99
-            page.keyboard.press("n")
-    assert sizes["without friction"] < 0.02 * sizes["with friction"]
-    assert 0.1 * sizes["none"] > sizes["Coulomb"] > sizes["LuGre observer"] > sizes["recommended"]
-    assert sizes["friction × 1.5, recommended"] < 0.1 * sizes["friction × 1.5, LuGre observer"]
-    assert page.locator("#scenes .done").count() == len(DECLARED["scenes"]) - 1  # it begins again
-    assert not page.failures
+    check_every_scene(page, run)
+    assert opened.errors == []
 
 
 def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> None:
     """A shared link shows the same; a wrong one is refused with its reason."""
-    page = opened(browser, page_file, "#scene=2&level=2&compensation=lugre&motor=late")
+    shown = browser(page_file.as_uri() + "#scene=2&level=2&compensation=lugre&motor=late")
+    page = shown.page
     assert page.locator("#knob-compensation").input_value() == "lugre"
     assert page.locator("#sliders output").first.inner_text() == "0.42 V"
     pressed = page.locator("#chips [aria-pressed=true]")
-    assert pressed.all_inner_texts() == ["twice the friction", "a late motor"]
+    assert pressed.all_inner_texts() == ["twice the friction", "a slow motor"]
     assert page.locator("fieldset label").last.inner_text().startswith("your settings")
     pressed.last.click()
     page.locator("#share").click()
@@ -198,31 +151,30 @@ def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> Non
     with page.expect_download() as picture:
         page.locator("#picture").click()
     assert Path(picture.value.path()).read_bytes()[:4] == b"\x89PNG"
-    assert not page.failures
+    assert shown.errors == []
 
 
 def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     """It follows the pointer, and is let go where it is; keys push, reset and pause."""
     page.evaluate("page.state.paused = true; page.enter(2, 3); page.drawing.drawAll()")
     box = page.locator("#stage").bounding_box()
-    signals = "page.motion.loop.signals"
-    x, y = page.evaluate(f"page.drawing.stage.pixels('pendulum', {signals}[0], {signals}[2])")
+    x, y = page.evaluate("page.drawing.stage.pixels('pendulum', ...page.motion.pose)")
     page.mouse.move(box["x"] + x, box["y"] + y)
     page.mouse.down()
     page.mouse.move(box["x"] + x + 15, box["y"] + y, steps=5)
-    held = page.evaluate("page.motion.loop.signals[2]")
+    held = page.evaluate("page.motion.pose[1]")
     assert abs(held) > 0.1
     page.mouse.up()
     page.keyboard.press(" ")
     assert page.evaluate("page.state.paused")
     run(page, 4.0)
-    assert abs(page.evaluate("page.motion.loop.signals[2]")) < 0.01  # it is balanced again
+    assert abs(page.evaluate("page.source.signals[2]")) < 0.01  # it is balanced again
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("ArrowRight")
     run(page, 0.1)
-    assert page.evaluate("page.motion.loop.signals[1]") > 0.1
+    assert page.evaluate("page.source.signals[1]") > 0.1
     page.keyboard.press("r")
-    assert page.evaluate("[page.motion.loop.time, page.motion.loop.signals[0]]") == [0, 0]
+    assert page.evaluate("[page.source.time, page.source.signals[0]]") == [0, 0]
     page.locator("fieldset input").first.focus()
     page.keyboard.press("ArrowDown")
     page.keyboard.press("ArrowDown")
@@ -233,17 +185,13 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
 def test_everybody_can_use_it(browser: Any, page_file: Path, width: int, scheme: str) -> None:
     """Axe-core finds nothing serious, nothing is wider than the page, and motion can wait."""
-    size = {"width": width, "height": 844}
-    about = {"viewport": size, "color_scheme": scheme, "reduced_motion": "reduce"}
-    page = opened(browser, page_file, "#scene=4&step=1", **about)
+    about = {"color_scheme": scheme, "reduced_motion": "reduce"}
+    shown = browser(page_file.as_uri() + "#scene=4&step=1", width, 844, **about)
+    page = shown.page
     assert page.evaluate("page.state.paused")
     page.evaluate(
         "page.motion.advance(9000); page.tell(); document.querySelector('#more').open = true"
     )
     assert page.evaluate("document.documentElement.scrollWidth") == width
-    reason = "axe-playwright-python is not installed; `make test` installs it"
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason=reason).Axe()
-    found = axe.run(page).response["violations"]
-    serious = [each for each in found if each["impact"] in ("serious", "critical")]
-    assert serious == []
-    page.context.close()
+    assert shown.serious_violations("body") == []
+    page.close()

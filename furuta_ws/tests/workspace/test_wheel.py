@@ -72,6 +72,8 @@ def test_wheel_is_pure_and_has_the_one_version(wheel: Path) -> None:
     assert packages == set(PACKAGES)
     assert all(f"{package}/py.typed" in content for package in packages)
     assert "furuta_ros/share/furuta_bringup/config/rigs/paper.yaml" in content
+    page = "furuta_bringup/page/web"
+    assert {f"{page}/{name}" for name in ("page.html", "three.js", "three.LICENSE")} <= set(content)
 
 
 @pytest.mark.long

@@ -7,7 +7,6 @@ from contextlib import contextmanager
 _DISTRIBUTIONS = {
     "flint": "python-flint",
     "serial": "pyserial",
-    "urdf_parser_py": "urdf-parser-py",
     "yaml": "pyyaml",
 }
 

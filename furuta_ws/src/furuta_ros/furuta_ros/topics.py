@@ -50,6 +50,9 @@ FRICTION_ESTIMATE = Topic("friction_estimate", FLOAT64)
 COMMAND = Topic("command", FLOAT64)
 # Effort of the arm: the true friction F [V]. Published while somebody subscribes.
 GROUND_TRUTH = Topic("ground_truth", JOINT_STATE)
+# The state in which a motion of the simulated rig begins, sent at each reset; its stamp is that of
+# the first sample. A late subscriber gets the last one.
+INITIAL_STATE = Topic("initial_state", JOINT_STATE)
 TOPICS = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND, GROUND_TRUTH)
 
 # What the controller does, and whether a rig applies its commands. Sent when that changes; a late

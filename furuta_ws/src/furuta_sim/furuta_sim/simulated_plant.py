@@ -1,18 +1,21 @@
 """The simulated rig as a node, without what decides when its samples begin."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from rclpy.parameter import Parameter
+from rcl_interfaces.srv import SetParametersAtomically
+from rclpy.parameter import Parameter, parameter_value_to_python
 from std_srvs.srv import Trigger
 
 from furuta_model.block import block
 from furuta_model.compiled import for_types_of
-from furuta_ros.node import QOS, FurutaNode, LoopPublisher, sender
+from furuta_model.parameters import ParameterError, build
+from furuta_ros.node import LATCHED, QOS, FurutaNode, LoopPublisher, sender
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import GROUND_TRUTH, MEASUREMENT
+from furuta_ros.topics import GROUND_TRUTH, INITIAL_STATE, MEASUREMENT
 from furuta_ros.wire import joint_state_bytes
-from furuta_sim.parameters import PlantNodeParameters
+from furuta_sim.parameters import InitialState, PlantNodeParameters
 from furuta_sim.plant import (
     NOISE_CHANNELS,
     Noise,
@@ -24,6 +27,8 @@ from furuta_sim.plant import (
 
 # Time that a reset takes [s]. Longer than NEW_START_AFTER, so that the other nodes start anew.
 RESET_TIME = 0.2
+# What the service set_state leaves out is 0.
+AT_REST = dict.fromkeys(InitialState._fields, 0.0)
 # Time between two looks whether somebody wants the true state, by the stamps [ns].
 LOOK_PERIOD = NANOSECONDS // 100
 
@@ -32,8 +37,9 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
     """Simulates the rig: publishes its samples and moves it from one to the next.
 
     It is held in its initial state until the first command arrives, and again after the service
-    ``~/reset``. A reset takes ``RESET_TIME``, in which nothing is measured: from the gap the other
-    nodes see that the motion does not continue.
+    ``~/reset``. ``~/set_state`` does the same with another state. A reset takes ``RESET_TIME``, in
+    which nothing is measured: from the gap the other nodes see that the motion does not continue.
+    ``initial_state`` tells the new state, and by its stamp when the new motion begins.
 
     Attributes:
         sample: Number of the current sample.
@@ -55,7 +61,9 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         self._send = sender(self.create_publisher(MEASUREMENT.message, MEASUREMENT.name, QOS))
         self._truth = LoopPublisher(self, GROUND_TRUTH)
         self._look_at, self._is_truth_wanted = 0, False
+        self._begun = self.create_publisher(INITIAL_STATE.message, INITIAL_STATE.name, LATCHED)
         self.create_service(Trigger, "~/reset", self._reset)
+        self.create_service(SetParametersAtomically, "~/set_state", self._set_state)
         self.design_by(self._design)
 
     def _design(self, parameters: PlantNodeParameters) -> None:
@@ -111,10 +119,41 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         self.sample += 1
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._memory = initial_plant(self._rig)
-        self.held = self._is_resetting = True
-        self._torque = 0.0
-        self.sample += round(RESET_TIME * NANOSECONDS / self.period)
+        self._begin(self._rig.initial)
         response.success = True
         response.message = "held in the initial state until the next command"
         return response
+
+    def _set_state(
+        self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response
+    ) -> SetParametersAtomically.Response:
+        """Reset to the state that the request names, in the units and ranges of ``initial``."""
+        try:
+            self._begin(_state_of(request.parameters))
+        except ParameterError as error:
+            response.result.reason = str(error)
+        else:
+            response.result.successful = True
+        return response
+
+    def _begin(self, initial: InitialState) -> None:
+        """Begin a new motion in a state."""
+        self._memory = initial_plant(self._rig._replace(initial=initial))
+        self.held = self._is_resetting = True
+        self._torque = 0.0
+        self.sample += round(RESET_TIME * NANOSECONDS / self.period)
+        phi, phi_dot, theta, theta_dot = initial
+        state = phi, phi_dot, theta, theta_dot, 0.0
+        self._begun.publish(joint_state_bytes(self.stamp, state))
+
+
+def _state_of(parameters: Sequence[Any]) -> InitialState:
+    """The state that parameter messages name. Raises ParameterError for any other content."""
+    try:
+        given = {each.name: parameter_value_to_python(each.value) for each in parameters}
+    except RuntimeError:
+        raise ParameterError("a value has a type that ROS does not know") from None
+    unknown = sorted(given.keys() - AT_REST)
+    if unknown:
+        raise ParameterError(f"no {', '.join(unknown)} in a state; it has {', '.join(AT_REST)}")
+    return build(InitialState, AT_REST | given)

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from furuta.quantities import QUANTITIES
 from furuta.settings.parameter_names import parameters_named
 from furuta.studies.analysis_options import GAINS
 from furuta_ros.whole_files import whole_file
@@ -16,9 +17,11 @@ from furuta_ros.whole_files import whole_file
 DPI = 110
 # Opacity of the grid; it is fainter behind curves in the complex plane.
 GRID, FAINT_GRID = 0.3, 0.25
-# One colour per quantity in all figures. The estimate of a quantity is thin and dark, its
-# measurement and a reference are grey.
-ARM, PENDULUM, CONTROL, FRICTION = "C0", "C1", "C2", "C3"
+# One colour per quantity in all figures. The estimate of a state is thin and dark, its measurement
+# and a reference are grey.
+ARM, PENDULUM, VOLTAGE, FRICTION, FRICTION_ESTIMATE = (
+    QUANTITIES[name].light for name in ("arm", "pendulum", "command", "friction", "estimate")
+)
 ESTIMATE, MEASURED, REFERENCE = "0.15", "0.6", "0.65"
 
 # By the last part of a parameter's name; a parameter without a symbol keeps its name.

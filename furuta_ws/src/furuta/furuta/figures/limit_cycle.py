@@ -8,11 +8,11 @@ import numpy as np
 from furuta.axis.simulation import AxisRecord
 from furuta.figures.figure import (
     ARM,
-    CONTROL,
     ESTIMATE,
     FRICTION,
     PENDULUM,
     REFERENCE,
+    VOLTAGE,
     axis_label,
     saved_figure,
     style_axis,
@@ -20,6 +20,7 @@ from furuta.figures.figure import (
 from furuta.limit_cycles.continuation import BranchPoint
 from furuta.limit_cycles.joint import JointCycle
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
+from furuta.quantities import QUANTITIES
 from furuta_model.state import PHI, PHI_DOT, THETA
 
 # Fields of a limit cycle that are drawn along a branch, with their labels and colours.
@@ -45,10 +46,10 @@ def draw_limit_cycle(motion: Trajectory, cycle: LimitCycle, law: str, path: Path
         (arm, pendulum), (force, plane) = axes
         _draw_cycle(arm, force, plane, motion)
         pendulum.plot(motion.time, motion.state[:, THETA], color=PENDULUM)
-        style_axis(arm, y="arm φ [rad]")
-        style_axis(pendulum, y="pendulum θ [rad]")
+        style_axis(arm, y=QUANTITIES["arm"].axis)
+        style_axis(pendulum, y=QUANTITIES["pendulum"].axis)
         style_axis(force, "time [s]", "[V]")
-        style_axis(plane, "arm φ [rad]", "arm speed [rad/s]")
+        style_axis(plane, QUANTITIES["arm"].axis, "arm speed [rad/s]")
         figure.suptitle(title)
 
 
@@ -92,8 +93,12 @@ def _draw_cycle(
     time = np.concatenate([motion.time + k * motion.time[-1] for k in range(periods)])
     phi = motion.state[:, PHI]
     position.plot(time, np.tile(phi, periods), color=ARM)
-    force.plot(time, np.tile(motion.control, periods), color=CONTROL, label="control")
-    force.plot(time, np.tile(motion.friction, periods), color=FRICTION, label="friction")
+    force.plot(
+        time, np.tile(motion.control, periods), color=VOLTAGE, label=QUANTITIES["command"].title
+    )
+    force.plot(
+        time, np.tile(motion.friction, periods), color=FRICTION, label=QUANTITIES["friction"].title
+    )
     force.legend()
     plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 

@@ -8,15 +8,17 @@ import numpy as np
 
 from furuta.figures.figure import (
     ARM,
-    CONTROL,
     ESTIMATE,
     FRICTION,
+    FRICTION_ESTIMATE,
     MEASURED,
     PENDULUM,
+    VOLTAGE,
     legend_outside,
     saved_figure,
     style_time_series,
 )
+from furuta.quantities import QUANTITIES
 from furuta.studies.phases import Phase
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, THETA
@@ -25,20 +27,24 @@ from furuta_recordings.bags.recorded_loop import RecordedRun
 # Columns that a row shows where they exist: label and style. The truth has the colour of its
 # quantity.
 COLUMNS: dict[str, dict[str, dict[str, Any]]] = {
-    "arm φ [rad]": {
+    QUANTITIES["arm"].axis: {
         "measured_phi_rad": {"label": "measured", "lw": 0.8, "color": MEASURED},
         "true_phi_rad": {"label": "true", "lw": 1.6, "color": ARM},
         "estimated_phi_rad": {"label": "estimated", "lw": 0.8, "color": ESTIMATE},
     },
-    "pendulum θ [rad]": {
+    QUANTITIES["pendulum"].axis: {
         "measured_theta_rad": {"label": "measured", "lw": 0.8, "color": MEASURED},
         "true_theta_rad": {"label": "true", "lw": 1.6, "color": PENDULUM},
         "estimated_theta_rad": {"label": "estimated", "lw": 0.8, "color": ESTIMATE},
     },
-    "control u [V]": {"command_v": {"label": "command", "lw": 0.8, "color": CONTROL}},
-    "friction [V]": {
+    QUANTITIES["command"].axis: {"command_v": {"label": "command", "lw": 0.8, "color": VOLTAGE}},
+    QUANTITIES["friction"].axis: {
         "true_friction_v": {"label": "true F", "lw": 2.4, "alpha": 0.7, "color": FRICTION},
-        "friction_estimate_v": {"label": "estimate of F", "lw": 0.6, "color": ESTIMATE},
+        "friction_estimate_v": {
+            "label": QUANTITIES["estimate"].title,
+            "lw": 0.8,
+            "color": FRICTION_ESTIMATE,
+        },
     },
 }
 TITLES = {

@@ -5,7 +5,9 @@ from typing import Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
+from rcl_interfaces.srv import SetParametersAtomically
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.task import Future
 from std_srvs.srv import SetBool, Trigger
 
@@ -31,6 +33,21 @@ def reset_plant(services: ServiceCaller) -> str:
     if not answer.success:
         raise ServiceError(f"{PLANT} rejects the reset: {answer.message}")
     return str(answer.message)
+
+
+def put_plant(services: ServiceCaller, phi: float, theta: float) -> None:
+    """Let the pendulum begin anew at rest with these angles [rad].
+
+    Raises:
+        ServiceError: No plant answers, or it rejects the angles.
+    """
+    state = [Parameter(name, value=value) for name, value in (("phi", phi), ("theta", theta))]
+    request = SetParametersAtomically.Request(
+        parameters=[each.to_parameter_msg() for each in state]
+    )
+    result = services.call(PLANT, "set_state", SetParametersAtomically, request).result
+    if not result.successful:
+        raise ServiceError(f"{PLANT} rejects the state: {result.reason}")
 
 
 class BridgeClient:

@@ -1,6 +1,5 @@
 """The pendulum and its exact limit cycle for the parameters that the nodes have now."""
 
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,8 @@ from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.simulation.closed_loop import Loop
 
+POINTS = 200  # of the orbit
+
 
 def model_of(values: Values) -> FurutaPendulum:
     """The model of the plant, or that which the estimator assumes, or the paper's."""
@@ -26,11 +27,6 @@ def model_of(values: Values) -> FurutaPendulum:
         if "model.alpha" in given:
             return FurutaPendulum(*(given[f"model.{name}"] for name in FurutaPendulum._fields))
     return FurutaPendulum()
-
-
-def encoder_counts(values: Values) -> int:
-    """Counts per turn of the arm's encoder; 0 if there is none, or it is not known."""
-    return int(values.get(ESTIMATOR, {}).get("sensors.encoder_counts", 0))
 
 
 def analysed_loop(values: Values) -> IdealLoop | None:
@@ -50,28 +46,26 @@ def analysed_loop(values: Values) -> IdealLoop | None:
     return IdealLoop(controller.model, friction_law("lugre", friction), l1, l2, l3, l4)
 
 
-def exact_cycle(loop: IdealLoop) -> np.ndarray | None:
-    """Time and state (n, 6) of the cycle; None if there is none."""
-    with suppress(ParameterError):
+def described_cycle(loop: IdealLoop) -> dict[str, Any] | None:
+    """The exact cycle and its prediction, as the page shows them; None if there is none.
+
+    ``exact`` and ``predicted``, by the describing function, are the arm's peak to peak [rad];
+    ``orbit`` has its angle about the middle and its speed [rad, rad/s].
+    """
+    try:
         cycle = limit_cycle(loop)
-        if cycle.kind == "oscillation" and np.isfinite(cycle.period_s):
-            motion = trace(loop, cycle)
-            return np.column_stack([motion.time, motion.state])
-    return None
-
-
-def cycle_size(cycle: np.ndarray | None) -> float | None:
-    """The arm's peak to peak [rad] of :func:`exact_cycle`."""
-    return None if cycle is None else float(np.ptp(cycle[:, 1]))
-
-
-def predicted_size(loop: IdealLoop) -> float | None:
-    """The same as the describing function predicts it; None if it predicts no stable cycle."""
-    with suppress(ParameterError):
-        cycles = predict_cycles(transfer(loop.body, loop.gains), loop.law).cycles
-        stable = [cycle for cycle in cycles if cycle.stable]
-        return stable[-1].phi_peak_to_peak_rad if stable else None
-    return None
+        if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s):
+            return None
+        predicted = predict_cycles(transfer(loop.body, loop.gains), loop.law).cycles
+    except ParameterError:
+        return None
+    stable = [each.phi_peak_to_peak_rad for each in predicted if each.stable]
+    if not stable:
+        return None
+    orbit = trace(loop, cycle).state[:, :2]
+    orbit[:, 0] -= (orbit[:, 0].max() + orbit[:, 0].min()) / 2
+    shown = orbit[:: 1 + len(orbit) // POINTS].round(5).tolist()
+    return {"exact": cycle.phi_peak_to_peak_rad, "predicted": stable[-1], "orbit": shown}
 
 
 def _built(node: str, values: Values) -> Any:

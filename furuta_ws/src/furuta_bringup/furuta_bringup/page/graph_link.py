@@ -16,9 +16,9 @@ from furuta.settings.nodes import PLANT
 from furuta.settings.parameter_names import by_node
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceCaller
-from furuta_bringup.graph.system_client import BridgeClient, reset_plant
+from furuta_bringup.graph.system_client import BridgeClient, put_plant, reset_plant
+from furuta_bringup.page.described import Described
 from furuta_bringup.page.jobs import Jobs
-from furuta_bringup.page.parameter_panel import Described
 from furuta_ros.parameter_files import is_of_ros
 from furuta_ros.spinning import executor_of, spin_until
 
@@ -113,6 +113,11 @@ class GraphLink:
         """Put the simulated pendulum into its initial state. Raises ServiceError if refused."""
         self.end_push()
         reset_plant(self._services)
+
+    def put(self, phi: float, theta: float) -> None:
+        """Let the simulated pendulum begin anew at rest with these angles [rad]."""
+        self.end_push()
+        put_plant(self._services, phi, theta)
 
     def push(self, parameter: str, size: float) -> None:
         """Push the plant now, by its parameters, which :meth:`end_push` restores."""

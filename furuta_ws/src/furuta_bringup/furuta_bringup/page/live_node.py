@@ -24,6 +24,7 @@ from furuta_bringup.page.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA,
 from furuta_bringup.page.samples import COMMAND as COMMAND_COLUMN
 from furuta_model.state import RIGID_STATES, SIGNALS, is_possible
 from furuta_ros.messages import RefusedError, deserialized, typed_joint_state, value_of
+from furuta_ros.node import LATCHED
 from furuta_ros.reduction_status import NAME_END
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
@@ -31,6 +32,7 @@ from furuta_ros.topics import (
     DIAGNOSTICS,
     FRICTION_ESTIMATE,
     GROUND_TRUTH,
+    INITIAL_STATE,
     JOINT_STATES,
     PARAMETER_EVENTS,
     TIMING,
@@ -46,6 +48,8 @@ EVENTS_QOS = QoSProfile(depth=1000, reliability=QoSReliabilityPolicy.RELIABLE)
 RATE = 100
 KEPT = 12
 PERIOD = NANOSECONDS // RATE
+# How long a number counts as the newest one if no other arrives [s].
+OLDEST = 0.5
 # Bytes of a serialised JointState up to the end of its stamp.
 SMALLEST = 12
 
@@ -56,17 +60,22 @@ class LiveNode(Node):
     ``samples`` are the newest ones, ``timing`` the newest message on ``timing`` and ``status`` the
     newest status of the bridge, or None, received at ``status_time`` [s] of the steady clock.
     ``warnings`` holds by name why other nodes do less than they were asked for.
-    ``on_parameters`` is called with each parameter event.
+    ``on_parameters`` is called with each parameter event, ``on_beginning`` with the time [s] and
+    the angles of arm and pendulum [rad] when the plant begins a new motion.
     """
 
-    def __init__(self, on_parameters: Callable[[ParameterEvent], None]) -> None:
+    def __init__(
+        self,
+        on_parameters: Callable[[ParameterEvent], None],
+        on_beginning: Callable[[float, float, float], None],
+    ) -> None:
         super().__init__("view", start_parameter_services=False)
         self.samples = Samples(RATE * KEPT)
         self.timing: UInt64MultiArray | None = None
         self.status: Any = None
         self.status_time = 0.0
         self.warnings: dict[str, str] = {}
-        self._on_parameters = on_parameters
+        self._on_parameters, self._on_beginning = on_parameters, on_beginning
         self._last_stamp = -PERIOD
         self._x = np.zeros(SIGNALS)
         self._state, self._estimate, self._command = (
@@ -75,6 +84,7 @@ class LiveNode(Node):
         self._timing = self.subscribe(TIMING)
         self._diagnostics = self.subscribe(DIAGNOSTICS)
         self._events = self.subscribe(PARAMETER_EVENTS, EVENTS_QOS)
+        self._beginnings = self.subscribe(INITIAL_STATE, LATCHED)
 
     @property
     def has_truth(self) -> bool:
@@ -96,8 +106,11 @@ class LiveNode(Node):
 
     def collect(self) -> None:
         """Take what has arrived since the last call."""
+        # A beginning is taken before the states and told after them: none of the motion before it
+        # comes later.
+        beginnings = list(_take(self._beginnings))
         states = list(self._state.take())
-        estimates, commands = _floats(self._estimate.take()), _floats(self._command.take())
+        estimates, commands = self._estimate.numbers(), self._command.numbers()
         for index, message in enumerate(states):
             place = index, len(states)
             self._add(message, _at(estimates, *place), _at(commands, *place))
@@ -107,6 +120,14 @@ class LiveNode(Node):
             self.timing = timing
         for message in _messages(self._diagnostics):
             self._keep_status(message)
+        for beginning in beginnings:
+            self._tell_beginning(beginning)
+
+    def _tell_beginning(self, serialized: bytes) -> None:
+        with suppress(RefusedError):
+            stamp, state = unpack_joint_state(serialized) or typed_joint_state(serialized)
+            if np.isfinite(state).all():
+                self._on_beginning(stamp / NANOSECONDS, state[0], state[2])
 
     def _add(self, serialized: bytes, estimate: float, command: float) -> None:
         """Keep a sample if the last one that was kept is old enough."""
@@ -125,7 +146,7 @@ class LiveNode(Node):
             return
         sample = np.full(COLUMNS, nan)
         sample[TIME] = self._last_stamp / NANOSECONDS
-        sample[PHI : PHI + RIGID_STATES] = self._x[:RIGID_STATES]
+        sample[PHI : THETA + 1] = self._x[: THETA + 1 - PHI]
         sample[THETA] = remainder(sample[THETA], 2 * pi)  # a pendulum that fell may have turned
         if self._state.topic is GROUND_TRUTH:
             sample[FRICTION] = self._x[RIGID_STATES]
@@ -153,6 +174,7 @@ class Input:
         self._node, self.topic = node, topic
         self._subscribed = topic.throttled
         self._subscription = node.subscribe(self._subscribed)
+        self._newest, self._received = np.full(1, nan), 0.0
 
     def choose(self) -> None:
         """Subscribe to the one that is published."""
@@ -166,6 +188,13 @@ class Input:
     def take(self) -> Iterator[bytes]:
         """The serialized messages that have arrived."""
         return _take(self._subscription)
+
+    def numbers(self) -> np.ndarray:
+        """The numbers that have arrived, or the newest one while it is not old."""
+        if len(new := _floats(self.take())):
+            self._newest, self._received = new[-1:], monotonic()
+            return new
+        return self._newest if monotonic() - self._received < OLDEST else np.full(1, nan)
 
 
 def _take(subscription: Subscription) -> Iterator[bytes]:

@@ -1,52 +1,79 @@
-"""The server of the page: viser, reached from this machine and from its own page only.
+"""The server of the page: its files, and a web socket, for this machine and its own page only.
 
 A browser lets any web page that its user visits open a web socket to this machine; only the header
 ``Origin`` tells them apart. A page whose host name is made to point to this machine shows itself by
 the header ``Host``.
 """
 
-import contextlib
+import base64
+import gzip
 import http
-import io
+import json
 import os
 import socket
 import webbrowser
-from collections.abc import Callable, Iterator
-from functools import wraps
+from collections.abc import Callable
+from contextlib import suppress
+from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
-import viser
-from websockets.asyncio import server as websockets_server
+from websockets.asyncio.server import ServerConnection, broadcast, serve
 from websockets.datastructures import Headers
-from websockets.http11 import Response
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
 
+from furuta_bringup.page.guided_scenes import page_content
 from furuta_model.parameters import ParameterError
 
-# viser would listen on all addresses.
 ADDRESS = "127.0.0.1"
 NAMES = (ADDRESS, "localhost")
+DATA = b"@data@"  # in the page, for what it shows
 USUAL_PORT = 8080
 # Ports that are tried from the usual one on, if none was chosen.
 TRIED = 50
-# The page holds everything that it needs; it may connect to nothing else and be framed by nobody.
+# The page may use and connect to nothing but this server, and be framed by nobody.
 POLICY = (
-    "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; "
-    "connect-src 'self' ws: data: blob:; frame-ancestors 'none'"
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src blob: data:; "
+    "connect-src 'self'; frame-ancestors 'none'"
 )
+KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+# Bytes of one message of a page, and those that wait for a slow page, which then misses samples.
+LONGEST, BEHIND = 1 << 16, 1 << 18
 
 
-class PageServer(viser.ViserServer):
-    """A viser server that refuses requests of other pages; ``address`` opens its page."""
+def page_files() -> dict[str, tuple[str, bytes]]:
+    """Kind and content of each file of the page by its path, with what the page shows."""
+    content = base64.b64encode(gzip.compress(json.dumps(page_content()).encode(), mtime=0))
+    found = {}
+    for file in files(__package__).joinpath("web").iterdir():
+        kind = KINDS.get(Path(file.name).suffix)
+        if kind:
+            found[f"/{file.name}"] = kind, file.read_bytes().replace(DATA, content)
+    found["/"] = found.pop("/page.html")
+    return found
+
+
+class PageServer:
+    """Serves files and sends to all open pages; ``address`` opens the page.
+
+    What is told stays known by its key, and a page that opens hears all of it, and ``history()``.
+    ``received`` is called with each object that a page sends. All methods are called in the thread
+    of the loop.
+    """
 
     def __init__(self, port: int | None = None) -> None:
-        free = _free_port(port)
-        # viser prints on standard output, whose first line is the address of the page.
-        with _checked_requests(free), contextlib.redirect_stdout(io.StringIO()):
-            super().__init__(host=ADDRESS, port=free, verbose=False)
-        if self.get_port() != free:
-            self.stop()
-            raise ParameterError(f"port {free} was taken meanwhile; try again")
-        self.address = f"http://{ADDRESS}:{free}"
+        self._files, self._socket = page_files(), _free_socket(port)
+        self.port: int = self._socket.getsockname()[1]
+        self.address = f"http://{ADDRESS}:{self.port}"
+        self.received: Callable[[dict[str, Any]], None] = lambda message: None
+        self.history: Callable[[], bytes] = bytes
+        self.known: dict[str, Any] = {}
+        self._pages: set[ServerConnection] = set()
+
+    def __len__(self) -> int:
+        """How many pages are open."""
+        return len(self._pages)
 
     def announce(self, opens: bool) -> None:
         """Print the address, and open the browser where there is one."""
@@ -54,61 +81,76 @@ class PageServer(viser.ViserServer):
         if opens and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
             webbrowser.open(self.address)
 
-    def request_share_url(self, verbose: bool = True) -> str | None:
-        """Refuse to share the page through a server elsewhere."""
-        return None
+    def serving(self) -> serve:
+        """What serves, as an asynchronous context."""
+        return serve(
+            self._serve,
+            sock=self._socket,
+            process_request=self._answer,
+            compression=None,
+            max_size=LONGEST,
+        )
 
-    def stop(self) -> None:
-        """End the server."""
-        with contextlib.redirect_stdout(io.StringIO()):
-            super().stop()
+    def tell(self, **keys: Any) -> None:
+        """Tell what has changed."""
+        new = {key: value for key, value in keys.items() if self.known.get(key) != value}
+        self.known |= new
+        if new:
+            self.say(**new)
+
+    def say(self, **keys: Any) -> None:
+        """Tell the pages that are open now, and no later one."""
+        broadcast(self._pages, json.dumps(keys))
+
+    def send(self, rows: bytes) -> None:
+        """Send samples to the pages that keep up."""
+        keep_up = [p for p in self._pages if p.transport.get_write_buffer_size() < BEHIND]
+        broadcast(keep_up, rows)
+
+    async def _serve(self, page: ServerConnection) -> None:
+        broadcast([page], json.dumps(self.known))
+        broadcast([page], self.history())
+        self._pages.add(page)
+        try:
+            async for message in page:
+                with suppress(ValueError, RecursionError):  # no JSON, or too deep
+                    if isinstance(heard := json.loads(message), dict):
+                        self.received(heard)
+        except ConnectionClosed:
+            pass
+        finally:
+            self._pages.discard(page)
+
+    def _answer(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Refuse a request, answer it with the page, or let it open a web socket."""
+        reason = refusal(request.headers, self.port)
+        if reason:
+            return connection.respond(http.HTTPStatus.FORBIDDEN, reason + "\n")
+        if request.headers.get("Upgrade"):
+            return None
+        if request.path not in self._files:
+            return connection.respond(http.HTTPStatus.NOT_FOUND, "no such file\n")
+        kind, content = self._files[request.path]
+        about = {
+            "Content-Type": f"{kind}; charset=utf-8",
+            "Content-Length": str(len(content)),
+            "Content-Security-Policy": POLICY,
+            "X-Content-Type-Options": "nosniff",
+            "Cache-Control": "no-store",
+            "Connection": "close",
+        }
+        return Response(http.HTTPStatus.OK, "OK", Headers(about), content)
 
 
-def _free_port(chosen: int | None) -> int:
-    """The port that was chosen, or the first free one from the usual one on."""
+def _free_socket(chosen: int | None) -> socket.socket:
+    """One on the port that was chosen, or on the first free one from the usual one on."""
     tried = [chosen] if chosen is not None else range(USUAL_PORT, USUAL_PORT + TRIED)
     for port in tried:
         try:
-            with socket.create_server((ADDRESS, port)):
-                return port
+            return socket.create_server((ADDRESS, port))
         except OSError as error:
             reason = error.strerror
     raise ParameterError(f"cannot listen on {ADDRESS}, port {tried[0]}: {reason}")
-
-
-@contextlib.contextmanager
-def _checked_requests(port: int) -> Iterator[None]:
-    """Servers of web sockets that are made inside the ``with`` block check every request.
-
-    viser has no option for it.
-    """
-    serve = websockets_server.serve
-
-    @wraps(serve)
-    def checked(*arguments: Any, process_request: Callable[..., Any], **options: Any) -> Any:
-        return serve(*arguments, process_request=_process(port, process_request), **options)
-
-    websockets_server.serve = checked  # type: ignore[assignment, misc]
-    try:
-        yield
-    finally:
-        websockets_server.serve = serve  # type: ignore[misc]
-
-
-def _process(port: int, answer: Callable[..., Any]) -> Callable[..., Any]:
-    """Refuse a request, or let viser ``answer`` it."""
-
-    def process(connection: Any, request: Any) -> Any:
-        reason = refusal(request.headers, port)
-        if reason:
-            return connection.respond(http.HTTPStatus.FORBIDDEN, reason + "\n")
-        response = answer(connection, request)
-        if isinstance(response, Response):
-            response.headers["Content-Security-Policy"] = POLICY
-            response.headers["Cache-Control"] = "no-store"
-        return response
-
-    return process
 
 
 def refusal(headers: Headers, port: int) -> str:

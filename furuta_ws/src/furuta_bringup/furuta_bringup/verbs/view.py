@@ -6,6 +6,7 @@ import sys
 
 import click
 
+from furuta.settings.nodes import PLANT
 from furuta_bringup.graph.scheduling import may_have_priority
 from furuta_bringup.options import namespace_option, option, own_parts_option
 from furuta_model.accepted_parts import accepted_parts
@@ -67,7 +68,7 @@ def command(
     )
     assert shown.stdout is not None
     try:
-        run.planned_graph(**chosen)  # while the page starts
+        settings = run.planned_graph(**chosen).settings  # while the page starts
     except ParameterError:
         shown.terminate()
         raise
@@ -75,6 +76,10 @@ def command(
     if not address:  # the page has failed, and has said why
         sys.exit(shown.wait())
     print(address, end="", flush=True)
+    # Lock-step waits for the page, which lets it run in real time at first.
+    plant = settings.get(PLANT, {})
+    waits = plant.get("clock") == "lockstep" and "run_until" not in plant
+    options += ("--set", f"{PLANT}.run_until=0") if waits else ()
     in_time = not any(option.startswith(NOT_IN_TIME) for option in options)
     prior = ["--priority", str(PRIORITY)] if in_time and may_have_priority(PRIORITY) else []
     # The graph takes the place of this process. The page ends with it; without the page it runs

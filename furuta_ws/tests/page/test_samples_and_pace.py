@@ -1,4 +1,4 @@
-"""Samples, figures, sliders, pacing and jobs of the page, without a browser and without ROS."""
+"""Samples, sliders, pacing and jobs of the page, without a browser and without ROS."""
 
 import threading
 from math import pi
@@ -6,16 +6,15 @@ from math import pi
 import numpy as np
 import pytest
 
-from furuta_bringup.page.exact_cycle import analysed_loop, exact_cycle
-from furuta_bringup.page.figures import Elapsed, Figures, figures, measuring, swing
+from furuta_bringup.page.described import Described, slider_range
+from furuta_bringup.page.exact_cycle import analysed_loop, described_cycle
 from furuta_bringup.page.jobs import Jobs
-from furuta_bringup.page.parameter_panel import Described, slider_range
+from furuta_bringup.page.pacer import FOREVER, Pacer
 from furuta_bringup.page.samples import COLUMNS, PHI, THETA, TIME, Samples
-from furuta_model.parameters import ParameterError
 
 
 def motion(seconds: float, amplitude: float, period: float) -> np.ndarray:
-    """Samples (n, 8) of a sine of the arm, a hundred per second."""
+    """Samples (n, 7) of a sine of the arm, a hundred per second."""
     rows = np.zeros((round(100 * seconds), COLUMNS))
     rows[:, TIME] = np.arange(len(rows)) / 100
     rows[:, PHI] = amplitude * np.sin(2 * pi / period * rows[:, TIME])
@@ -38,48 +37,10 @@ def test_samples_keep_the_newest() -> None:
     assert len(samples.last(10.0)) == 1
 
 
-def test_figures_of_a_sine() -> None:
-    """Of the last five seconds: a larger motion before does not count."""
-    later = motion(6.0, 0.25, 2.0)
-    later[:, TIME] += 10.0
-    rows = np.vstack([motion(10.0, 2.0, 1.0), later])
-    expected = (0.5, 0.05, 2.0, 0.5 * 250 / (2 * pi))
-    assert figures(rows, 250) == pytest.approx(expected, rel=1e-3)
-
-
-def test_figures_are_those_since_the_last_change() -> None:
-    """Until all of the window is after it, the page says how long that takes, and no number."""
-    elapsed, times = Elapsed(), np.arange(10.0, 20.0, 0.01)
-    assert [elapsed.passed(times + later) for later in (0.0, 2.5)] == [0.0, 2.5]
-    wait = measuring(2.5, 5.0)
-    assert wait == "measuring: 3 s"
-    assert Figures(0.5, 0.1, 2.0, 20.0).rows(wait)[0] == ("arm", wait)
-    assert "0.5" not in str(Figures(0.5, 0.1, 2.0, 20.0).rows(wait))
-    elapsed.restart()
-    assert elapsed.passed(times + 3.0) == 0.0
-    times[-100:] += 0.2  # a reset, of which the page may not know
-    assert elapsed.passed(times + 6.0) == pytest.approx(0.99)
-    assert elapsed.passed(times - 9.0) == 0.0  # another graph
-    assert measuring(5.0, 5.0) == ""
-
-
-def test_people_read_degrees() -> None:
-    """With a second digit where the first one alone would say little; unknown is not a number."""
-    assert [swing(angle) for angle in (0.511, 0.0511, np.nan)] == ["29.3°", "2.93°", "–"]
-    assert Figures(0.511, np.nan, np.nan, 20.3).rows() == [
-        ("arm", "29.3° peak to peak"),
-        ("pendulum", "–"),
-        ("period", "–"),
-        ("arm in encoder counts", "20.3"),
-    ]
-
-
 def test_slider_reaches_useful_values() -> None:
-    """A few times the value, not the whole range; whole numbers stay whole."""
+    """A few times the value, not the whole range."""
     assert slider_range(0.21, 0.0, 100.0)[:2] == pytest.approx((0.0, 0.7))
-    low, high, step = slider_range(4, 1, 8)
-    assert (low, high) == (1, 8)
-    assert isinstance(step, int)
+    assert slider_range(1.0, 0.0, 2.0)[:2] == (0.0, 2.0)
 
 
 def test_parameter_is_described_by_its_services_alone() -> None:
@@ -89,10 +50,22 @@ def test_parameter_is_described_by_its_services_alone() -> None:
     own = law._replace(value="a:b", constraints="one of lugre, coulomb, or an own one as module:f")
     assert own.choices == ("lugre", "coulomb", "a:b")
     gain = Described("gain", [0.0], "explicit L of u = -Lx [V/x]", "any")
-    assert gain.label == "gain [V\N{DIVISION SLASH}x]"
-    assert gain.parsed("[1, 2.5]") == [1.0, 2.5]
-    with pytest.raises(ParameterError, match="gain must be a list of numbers, given 'high'"):
-        gain.parsed("high")
+    assert gain.unit == "V/x"
+
+
+def test_lock_step_runs_as_fast_as_it_is_told() -> None:
+    """Not ahead of a plant that cannot keep up; a pause holds, and a step moves it on by 10 ms."""
+    pacer = Pacer()
+    assert pacer.run_until(0.0, 0.0) == FOREVER
+    pacer.pace(0.5, 0.0)
+    assert pacer.run_until(1.0, 0.0) == pytest.approx(0.5)
+    assert pacer.run_until(1.5, 0.2) == pytest.approx(0.75)
+    assert pacer.run_until(9.0, 0.2) == pytest.approx(0.7 + 3.75)
+    pacer.pace(0.0, 1.0)
+    assert pacer.run_until(10.0, 1.0) == 1.0
+    pacer.step(1.0)
+    assert 1.01 < pacer.run_until(11.0, 1.0) < 1.02
+    assert pacer.speed == 0.0
 
 
 def test_only_the_newest_of_waiting_jobs_runs() -> None:
@@ -125,9 +98,10 @@ def test_exact_cycle_is_that_of_the_parameters() -> None:
     values: dict[str, dict[str, float]] = {"plant": {}, "controller": {}}
     loop = analysed_loop(values)
     assert loop is not None
-    cycle = exact_cycle(loop)
+    cycle = described_cycle(loop)
     assert cycle is not None
-    assert np.ptp(cycle[:, 1]) == pytest.approx(0.510, abs=2e-3)
+    assert cycle["exact"] == pytest.approx(0.510, abs=2e-3)
+    assert np.ptp(cycle["orbit"], axis=0)[0] == pytest.approx(cycle["exact"], rel=0.01)
     assert analysed_loop({"controller": {}, "friction_observer": {}}) == loop
     assert analysed_loop({"estimator": {}}) is None
     assert analysed_loop(values | {"plant": {"tilt.x": 0.1}}) is None  # the plant is another one

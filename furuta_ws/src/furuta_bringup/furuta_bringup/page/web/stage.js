@@ -1,30 +1,43 @@
 // The stage: the pendulum in 3D, its swing on the floor, torque and friction as arrows round the column.
-// y is up, lengths are in arm lengths; φ turns about y, and θ > 0 leans towards growing φ.
+// y is up; φ turns about y, and θ > 0 leans towards growing φ. Arm and pendulum have the proportions of the rig.
 import {
   CapsuleGeometry, CircleGeometry, ConeGeometry, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight,
   LatheGeometry, Line, LineDashedMaterial, BufferGeometry, Matrix4, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera,
   RingGeometry, Scene, SphereGeometry, TubeGeometry, Vector2, Vector3, Curve, WebGLRenderer,
-} from "three";
+} from "./three.js";
 
-const HUB = 0.95, ARM = 1.1, LENGTH = 0.85;  // a pendulum that hangs stays above the floor
+const REACH = 1.95;  // of arm and pendulum together
+const ABOVE = 0.1;  // a pendulum that hangs stays so far above the floor
+const BETWEEN = { nearest: 2, farthest: 20 };  // of the camera, which sees all
+const ZOOM = [0.4, 2];
 const LIGHT = new Vector3(2.2, 5, 2.6);
 const ARROW = { radius: 0.25, most: 2.6, perVolt: 4, least: 0.08 };
 const GRABBED = 26;  // how near to a rod a pointer grabs it [pixels]
 
 export class Stage {
-  constructor(host, antialias) {
+  constructor(host, antialias, lengths) {
     this.host = host;
     this.lookFromStart();
-    this.scene = new Scene();
     this.camera = new PerspectiveCamera(30, 1, 0.1, 50);
-    this.tinted = [];
-    this.build();
+    this.build(lengths);
     this.detail = 1;
     this.renew(antialias);
   }
 
   lookFromStart() {
-    this.view = { turn: 0.7, height: 0.42 };
+    this.view = { turn: 0.7, height: 0.42, zoom: 1 };
+  }
+
+  zoom(factor) {
+    this.view.zoom = Math.min(ZOOM[1], Math.max(ZOOM[0], this.view.zoom * factor));
+  }
+
+  // Draws the pendulum of another rig, with its lengths of arm and pendulum.
+  setLengths(lengths) {
+    if (String(lengths) === String(this.lengths)) return;
+    this.scene.traverse((each) => each.geometry?.dispose());
+    this.build(lengths);
+    this.paint();
   }
 
   // A canvas with or without smooth edges; it cannot be changed later.
@@ -57,7 +70,14 @@ export class Stage {
     return made;
   }
 
-  build() {
+  build(lengths) {
+    const scale = REACH / (lengths[0] + lengths[1]), [arm, pendulum] = lengths.map((each) => scale * each);
+    Object.assign(this, { lengths, arm, pendulum, hub: pendulum + ABOVE, scene: new Scene(), tinted: [], size: "", swept: "" });
+    this.furnish();
+  }
+
+  furnish() {
+    const { arm: reach, pendulum: length, hub } = this;
     const solid = (colour) => this.material(MeshLambertMaterial, colour);
     const flat = (colour, options) => this.material(MeshBasicMaterial, colour, options);
     const add = (parent, geometry, material, [x, y, z] = [0, 0, 0], turn = 0) => {
@@ -72,22 +92,23 @@ export class Stage {
     const sun = new DirectionalLight(0xffffff, 1.7);
     sun.position.copy(LIGHT);
     scene.add(sun);
-    this.addScale(flat("was"));
+    this.addScale(flat("was"), reach + 0.05);
     const metal = solid("metal"), dark = solid("dark-metal"), arm = solid("arm"), pendulum = solid("bob");
-    const foot = [[0, 0], [0.34, 0], [0.3, 0.07], [0.13, 0.07], [0.13, 0.81], [0.16, 0.82], [0.16, 0.88], [0, 0.88]];
+    const top = hub - 0.07;
+    const foot = [[0, 0], [0.34, 0], [0.3, 0.07], [0.13, 0.07], [0.13, top - 0.07], [0.16, top - 0.06], [0.16, top], [0, top]];
     const standing = add(scene, new LatheGeometry(foot.map(([x, y]) => new Vector2(x, y)), 40), metal);
     standing.material.side = DoubleSide;
     const [turn, swing] = [new Group(), new Group()];
-    turn.position.y = HUB;
-    swing.position.x = ARM;
+    turn.position.y = hub;
+    swing.position.x = reach;
     turn.add(swing);
     add(turn, new CylinderGeometry(0.1, 0.1, 0.14, 40), arm);
-    add(turn, new CapsuleGeometry(0.05, ARM - 0.15, 8, 24), arm, [ARM / 2 - 0.05, 0, 0], Math.PI / 2);
-    add(turn, new CylinderGeometry(0.075, 0.075, 0.16, 32), dark, [ARM - 0.08, 0, 0], Math.PI / 2);
-    add(swing, new CylinderGeometry(0.022, 0.026, LENGTH - 0.07, 20), pendulum, [0, LENGTH / 2, 0]);
-    add(swing, new SphereGeometry(0.085, 32, 24), pendulum, [0, LENGTH, 0]);
+    add(turn, new CapsuleGeometry(0.05, reach - 0.15, 8, 24), arm, [reach / 2 - 0.05, 0, 0], Math.PI / 2);
+    add(turn, new CylinderGeometry(0.075, 0.075, 0.16, 32), dark, [reach - 0.08, 0, 0], Math.PI / 2);
+    add(swing, new CylinderGeometry(0.022, 0.026, length - 0.07, 20), pendulum, [0, length / 2, 0]);
+    add(swing, new SphereGeometry(0.085, 32, 24), pendulum, [0, length, 0]);
     this.addShadow(turn, standing, flat("shadow"));
-    const plumb = new BufferGeometry().setFromPoints([new Vector3(ARM, 0.12, 0), new Vector3(ARM, LENGTH + 0.3, 0)]);
+    const plumb = new BufferGeometry().setFromPoints([new Vector3(reach, 0.12, 0), new Vector3(reach, length + 0.3, 0)]);
     const line = new Line(plumb, this.material(LineDashedMaterial, "faint", { dashSize: 0.04, gapSize: 0.035 }));
     line.computeLineDistances();
     turn.add(line);
@@ -96,13 +117,13 @@ export class Stage {
     this.sector = add(scene, new RingGeometry(), flat("arm", { transparent: true, opacity: 0.25, side: DoubleSide, depthWrite: false }));
     this.sector.rotation.x = -Math.PI / 2;
     this.sector.position.y = 0.008;
-    this.torque = this.addArrow(flat("command", { side: DoubleSide }), 0.62);
-    this.friction = this.addArrow(flat("friction", { side: DoubleSide }), 0.34);
+    this.torque = this.addArrow(flat("command", { side: DoubleSide }), 0.65 * hub);
+    this.friction = this.addArrow(flat("friction", { side: DoubleSide }), 0.36 * hub);
   }
 
   // A circle on the floor with a mark every 5 degrees.
-  addScale(material) {
-    const ring = new Mesh(new RingGeometry(1.15, 1.157, 96), material);
+  addScale(material, radius) {
+    const ring = new Mesh(new RingGeometry(radius, radius + 0.007, 96), material), outside = radius + 0.007;
     const group = new Group();
     group.add(ring);
     for (let i = 0; i < 72; i++) {
@@ -111,7 +132,7 @@ export class Stage {
       mark.scale.set(size * Math.SQRT2, 0.008 * Math.SQRT2, 1);
       const a = (i * Math.PI) / 36;
       mark.rotation.z = a;
-      mark.position.set((1.157 + size / 2) * Math.cos(a), (1.157 + size / 2) * Math.sin(a), 0);
+      mark.position.set((outside + size / 2) * Math.cos(a), (outside + size / 2) * Math.sin(a), 0);
       group.add(mark);
     }
     group.rotation.x = -Math.PI / 2;
@@ -159,21 +180,44 @@ export class Stage {
     };
   }
 
+  // The words at the bottom of the stage, and on a narrow one those at the top, are left free.
   place() {
-    const width = this.host.clientWidth, height = this.host.clientHeight;
-    const size = `${width} ${height} ${this.detail} ${devicePixelRatio}`;
-    if (size !== this.size) {
-      this.size = size;
-      this.renderer.setPixelRatio(this.detail * Math.min(2, devicePixelRatio));
-      this.renderer.setSize(width, height, false);
+    const width = this.host.clientWidth, height = this.host.clientHeight, { camera, view } = this;
+    const top = width < 500 ? 90 : 0, free = Math.max(this.host.querySelector(".foot").offsetTop - top, height / 3);
+    const size = `${width} ${height} ${free} ${top} ${this.detail} ${devicePixelRatio} ${Object.values(view)}`;
+    if (size === this.size) return;
+    this.size = size;
+    this.renderer.setPixelRatio(this.detail * Math.min(2, devicePixelRatio));
+    this.renderer.setSize(width, height, false);
+    camera.aspect = width / free;
+    camera.clearViewOffset();
+    let { nearest, farthest } = BETWEEN;
+    while (farthest - nearest > 0.01) {
+      const far = (nearest + farthest) / 2;
+      if (this.seesAll(far)) farthest = far;
+      else nearest = far;
     }
-    const { camera, view } = this, far = width < 1.3 * height ? 6.4 : 5.7, middle = new Vector3(0, width < 500 ? 0.9 : 0.78, 0);
-    camera.aspect = width / height;
-    camera.position.set(Math.cos(view.height) * Math.sin(view.turn), Math.sin(view.height), Math.cos(view.height) * Math.cos(view.turn));
+    this.look(farthest * view.zoom);
+    camera.setViewOffset(width, free, 0, -top, width, height);
+  }
+
+  look(far) {
+    const { camera, view: { turn, height } } = this, middle = new Vector3(0, (this.hub + this.pendulum) / 2, 0);
+    camera.position.set(Math.cos(height) * Math.sin(turn), Math.sin(height), Math.cos(height) * Math.cos(turn));
     camera.position.multiplyScalar(far).add(middle);
     camera.lookAt(middle);
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
+  }
+
+  // Whether the circle on the floor and the pendulum, wherever its arm turns, are in sight from so far.
+  seesAll(far) {
+    this.look(far);
+    const rims = [[this.arm + 0.15, 0], [this.arm, this.hub + this.pendulum + ABOVE]];
+    return rims.every(([radius, y]) => Array.from({ length: 16 }, (_, i) => (i * Math.PI) / 8).every((a) => {
+      const seen = new Vector3(radius * Math.cos(a), y, radius * Math.sin(a)).project(this.camera);
+      return Math.max(Math.abs(seen.x), Math.abs(seen.y)) < 0.98;
+    }));
   }
 
   // Draws a state: angles, the ends of the swing [rad], voltage and friction [V].
@@ -185,19 +229,19 @@ export class Stage {
     if (swept !== this.swept) {
       this.swept = swept;
       this.sector.geometry.dispose();
-      this.sector.geometry = new RingGeometry(0.36, 1.13, 48, 1, from, Math.min(2 * Math.PI, Math.max(0.012, to - from)));
+      this.sector.geometry = new RingGeometry(0.36, this.arm + 0.03, 48, 1, from, Math.min(2 * Math.PI, Math.max(0.012, to - from)));
     }
-    this.torque(u);
-    this.friction(-friction);
+    this.torque(u || 0);
+    this.friction(-friction || 0);  // unknown on a rig
     this.renderer.render(this.scene, this.camera);
   }
 
   // A point of arm (at its end) or pendulum (at its bob) at angles, in pixels of the canvas.
   pixels(part, phi, theta, share = 1) {
-    const end = new Vector3(ARM, 0, 0);
-    if (part === "pendulum") end.add(new Vector3(0, share * LENGTH * Math.cos(theta), -share * LENGTH * Math.sin(theta)));
+    const end = new Vector3(this.arm, 0, 0), length = share * this.pendulum;
+    if (part === "pendulum") end.add(new Vector3(0, length * Math.cos(theta), -length * Math.sin(theta)));
     else end.multiplyScalar(share);
-    end.applyAxisAngle(new Vector3(0, 1, 0), phi).add(new Vector3(0, HUB, 0)).project(this.camera);
+    end.applyAxisAngle(new Vector3(0, 1, 0), phi).add(new Vector3(0, this.hub, 0)).project(this.camera);
     return [((1 + end.x) / 2) * this.host.clientWidth, ((1 - end.y) / 2) * this.host.clientHeight];
   }
 

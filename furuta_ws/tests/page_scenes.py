@@ -1,0 +1,64 @@
+"""All guided scenes on the page, whether it computes the motion or receives it from a graph."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from furuta_bringup.page.guided_scenes import CONTENT
+
+# How closely the motion agrees with the exact cycle of its step.
+EXACT = {"with friction": 0.02, "feedback as it is": 0.02, "faster feedback": 0.05}
+# What is printed and what is measured at one time.
+SEEN = """() => { page.tell(); const { rows } = page.motion, end = rows.at(-1)[0];
+    const of = (selector) => document.querySelector(selector);
+    const from = end - page.DATA.measured.window;
+    const phi = rows.filter(([time]) => time > from).map((row) => row[1]);
+    const row = of("fieldset label:has(:checked)"), printed = row.querySelector("output");
+    return { swing: Math.max(...phi) - Math.min(...phi), exact: page.source.cycle?.exact,
+        step: row.querySelector("span").textContent, printed: printed.textContent,
+        big: of("#swing").textContent, said: of("#said").textContent, look: of(".look").textContent,
+        known: of(".known b")?.textContent, fallen: !of("#fallen").hidden,
+        cosine: Math.cos(page.source.now[3]) }; }"""
+
+
+def check_every_scene(page: Any, run: Callable[[Any, float], None]) -> None:
+    """What is printed is what is measured, and it agrees with what the scenes say.
+
+    The motion is the exact cycle's, compensation reduces it, and a fall is said. Under compensation
+    the motion is irregular: its size is the median of five windows. ``run`` lets seconds pass.
+    """
+    sizes = {}
+    for scene in CONTENT["scenes"]:
+        for step in scene["steps"]:
+            run(page, 27.5)
+            seen = page.evaluate(SEEN)
+            assert (seen["step"], seen["look"]) == (step["name"], step["look"])
+            assert seen["said"].startswith(f"{step['name']}: ")
+            if step["name"] == "push on the pendulum":
+                assert seen["printed"] == "fell"
+                assert seen["fallen"]
+                page.keyboard.press("r")
+                run(page, 2.0)
+                assert not page.evaluate(SEEN)["fallen"]
+            else:
+                size = np.rad2deg(seen["swing"])
+                assert seen["printed"] == f"{size:.{1 if size >= 3.0 else 2}f}°" == seen["big"]
+            if step["name"] in EXACT:
+                assert seen["swing"] == pytest.approx(seen["exact"], rel=EXACT[step["name"]])
+                if scene.get("predict"):
+                    assert seen["known"] == f"{np.rad2deg(seen['exact']):.1f}°"
+            sizes[step["name"]] = np.median([_later(page, run) for _ in range(5)])
+            if step["name"] == "fall and swing up":
+                assert page.evaluate(SEEN)["cosine"] > 0.99
+            page.keyboard.press("n")
+    assert sizes["without friction"] < 0.02 * sizes["with friction"]
+    assert 0.1 * sizes["none"] > sizes["Coulomb"] > sizes["LuGre observer"] > sizes["recommended"]
+    assert sizes["friction × 1.5, recommended"] < 0.1 * sizes["friction × 1.5, LuGre observer"]
+    assert page.locator("#scenes .done").count() == len(CONTENT["scenes"]) - 1  # it begins again
+
+
+def _later(page: Any, run: Callable[[Any, float], None]) -> float:
+    run(page, 5.0)
+    return float(page.evaluate(SEEN)["swing"])
