@@ -127,7 +127,7 @@ CONTROL_KNOBS = (
     Knob(
         "compensation",
         "Compensation",
-        "how F̂ [V] is computed; recommended: LuGre observer with super-twisting",
+        "how F̂ [V] is computed; recommended: LuGre friction of a learned level, and the rest as observed",
         {name: {"friction_observer.compensation": name} for name in COMPENSATIONS},
         "none",
         "friction_observer.compensation",
@@ -168,7 +168,7 @@ DRIVE_KNOBS = (
 STRENGTH_KNOB = Knob(
     "strength",
     "Strength ×",
-    "of the whole compensation: 0 for none, 1 as designed",
+    "of the friction estimate: 0 for none, 1 for all of it",
     times(STRENGTHS, controller__strength=1.0),
     "1",
     STRENGTH,

@@ -11,6 +11,8 @@ from furuta_model.parameters import values
 from furuta_sim.simulation.closed_loop import Loop
 
 RECOMMENDED = "recommended"
+# The compensation that it is.
+RECOMMENDED_WORD = "combined"
 COMPENSATION = "friction_observer.compensation"
 # What it sets beside the compensation.
 RECOMMENDED_NAMES = tuple(
@@ -37,7 +39,7 @@ def recommended_values(
     drive = values(known_drive(loop), "drive.")
     told = {name: drive[name.partition(".")[2]] for name in RECOMMENDED_NAMES}
     return {
-        COMPENSATION: "combined",
+        COMPENSATION: RECOMMENDED_WORD,
         **{name: value for name, value in told.items() if name not in held},
     }
 

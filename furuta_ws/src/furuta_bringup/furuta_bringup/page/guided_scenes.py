@@ -5,11 +5,12 @@ from importlib.resources import files
 from typing import Any
 
 from furuta.quantities import QUANTITIES
-from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES, PLANT
+from furuta.settings.nodes import FRICTION_OBSERVER, NODES, PLANT
 from furuta.settings.parameter_names import by_node
 from furuta.settings.recommended import (
     RECOMMENDED,
     RECOMMENDED_NAMES,
+    RECOMMENDED_WORD,
     is_recommended,
     recommended_values,
 )
@@ -23,7 +24,6 @@ CONTENT = parse_yaml(files(__package__).joinpath(FILE).read_text(encoding="utf-8
 IN_SIGHT: dict[str, dict[str, Any]] = CONTENT["in_sight"]
 COMPENSATIONS: dict[str, str] = CONTENT["compensations"]
 COMPENSATION = f"{FRICTION_OBSERVER}.compensation"
-SUPER_TWISTING = "super_twisting"
 # Values by node and parameter name.
 Values = Mapping[str, Mapping[str, Any]]
 
@@ -59,23 +59,18 @@ def page_content() -> dict[str, Any]:
 def expanded_values(entered: Mapping[str, Any], values: Values) -> dict[str, Any]:
     """Values by full name for what a user has entered, or a step sets.
 
-    *recommended* stands for several, and another compensation after it ends its super-twisting.
+    *recommended* stands for several.
     """
-    if COMPENSATION not in entered:
+    if not is_recommended(COMPENSATION, entered.get(COMPENSATION)):
         return dict(entered)
-    if is_recommended(COMPENSATION, entered[COMPENSATION]):
-        if PLANT not in values:
-            raise ParameterError("recommended needs a simulated plant; tune a rig instead")
-        own = by_node({each: value for each, value in entered.items() if each != COMPENSATION})
-        rig = loop({n: {**values.get(n, {}), **own.get(n, {})} for n in NODES})
-        return {**entered, **recommended_values(rig)}
-    if shown_compensation(values) == RECOMMENDED:
-        return {f"{CONTROLLER}.{SUPER_TWISTING}": 0.0, **entered}
-    return dict(entered)
+    if PLANT not in values:
+        raise ParameterError("recommended needs a simulated plant; a rig is told of its drive")
+    own = by_node({each: value for each, value in entered.items() if each != COMPENSATION})
+    rig = loop({n: {**values.get(n, {}), **own.get(n, {})} for n in NODES})
+    return {**entered, **recommended_values(rig)}
 
 
 def shown_compensation(values: Values) -> Any:
     """The node's word for the compensation; *recommended* for what nodes have in its place."""
     word = values.get(FRICTION_OBSERVER, {}).get("compensation")
-    twists = values.get(CONTROLLER, {}).get(SUPER_TWISTING)
-    return RECOMMENDED if word == "lugre" and twists else word
+    return RECOMMENDED if word == RECOMMENDED_WORD else word
