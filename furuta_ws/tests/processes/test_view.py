@@ -19,6 +19,20 @@ PUT = "page.motion.rows.length > 3 && Math.abs(page.motion.rows[0][3]) > 0.2"
 HIDDEN = """() => { const { source } = page, rows = new Float64Array(7 * 5000).fill(1e6);
     for (let i = 0; i < 200; i++) source.receive(rows);
     return source.rows.length; }"""
+# A slider is moved twice; the node confirms both, and then somebody else sets it. Later it refuses.
+CONFIRMED = """(name) => { const { source } = page, seen = [], send = source.send;
+    const hear = (value, more) => {
+        source.hear({ values: { [name]: value }, ...more });
+        seen.push(source.values[name]);
+    };
+    source.send = () => {};
+    for (const value of [0.3, 0.4]) source.set({ [name]: value });
+    for (const value of [0.3, 0.4, 0.5]) hear(value);
+    source.set({ [name]: 0.6 });
+    hear(0.5, { failed: "no" });
+    source.send = send;
+    hear(0.21);
+    return seen; }"""
 COMPENSATION = "knob-friction_observer.compensation"
 NODES_OF_SCENES = ("controller", "estimator", "friction_observer")
 
@@ -127,6 +141,8 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
         assert each.serious_violations("body") == []
         assert each.page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
+    confirmed = other.page.evaluate(CONFIRMED, "friction_observer.alpha0")
+    assert confirmed == [0.4, 0.4, 0.5, 0.5, 0.21]
     assert 1000 < other.page.evaluate(HIDDEN) < 5000
 
     (of_page,) = (pid for pid, command in children(process.pid).items() if "--attach" in command)

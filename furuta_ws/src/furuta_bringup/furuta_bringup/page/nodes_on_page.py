@@ -72,12 +72,12 @@ class NodesOnPage:
         deleted = {old.name for old in event.deleted_parameters}
         if declared - set(known) or deleted & set(known):
             self._link.search.submit(("describe", node), partial(self._describe, node))
-        changed = [each.name for each in (*event.changed_parameters, *event.new_parameters)]
-        for each in (*event.changed_parameters, *event.new_parameters):
-            if each.name in known:
-                with contextlib.suppress(RuntimeError):  # a type that ROS does not know
-                    self.values[node][each.name] = parameter_value_to_python(each.value)
-        names = {f"{node}.{name}" for name in changed if name in known} - {f"{PLANT}.{PACE}"}
+        changed = (*event.changed_parameters, *event.new_parameters)
+        told = [each for each in changed if each.name in known]
+        for each in told:
+            with contextlib.suppress(RuntimeError):  # a type that ROS does not know
+                self.values[node][each.name] = parameter_value_to_python(each.value)
+        names = {f"{node}.{each.name}" for each in told} - {f"{PLANT}.{PACE}"}
         if names:
             new = {name: self.shown(name) for name in names | {COMPENSATION}}
             self._server.known["values"] |= new

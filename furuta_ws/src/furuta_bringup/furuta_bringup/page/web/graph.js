@@ -12,6 +12,7 @@ export class Graph {
   constructor(data) {
     Object.assign(this, { data, knobs: [], values: {}, base: {}, rows: [], status: {}, cycle: undefined, zero: 0 });
     this.touched = new Set(data.names);
+    this.asked = new Map();  // numbers that have been sent and not yet confirmed, by name
     this.now = Array(COLUMNS).fill(NaN);
   }
 
@@ -37,8 +38,11 @@ export class Graph {
   }
 
   hear(message) {
-    if (message.nodes) Object.assign(this, { knobs: message.nodes, values: {} });
-    Object.assign(this.values, message.values);
+    if (message.nodes) {
+      Object.assign(this, { knobs: message.nodes, values: {} });
+      this.asked.clear();
+    }
+    this.receiveValues(message);
     for (const key of ["base", "status", "cycle", "zero", "lengths"]) if (key in message) this[key] = message[key];
     if (message.began) {
       const [time, phi, theta] = message.began;
@@ -47,6 +51,14 @@ export class Graph {
       if (!(this.time > time)) this.now = first;
     }
     this.told(message);
+  }
+
+  // An older value does not take back what the user has chosen since, unless the newer one has been refused.
+  receiveValues({ values = {}, failed }) {
+    for (const [name, value] of Object.entries(values)) {
+      if (failed || this.asked.get(name) === value) this.asked.delete(name);
+      if (!this.asked.has(name)) this.values[name] = value;
+    }
   }
 
   send(message) {
@@ -71,7 +83,10 @@ export class Graph {
   }
 
   set(values, place) {
-    for (const name of Object.keys(values)) this.touched.add(name);
+    for (const [name, value] of Object.entries(values)) {
+      this.touched.add(name);
+      if (typeof value === "number" && value !== this.values[name]) this.asked.set(name, value);
+    }
     Object.assign(this.values, values);  // a node that refuses one tells which it has
     this.send({ set: values, place });
   }
