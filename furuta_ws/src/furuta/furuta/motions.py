@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -225,7 +225,6 @@ def tune(
     loop: Loop | None = None,
     seconds: float = 120.0,
     report: Callable[[str, float], None] | None = None,
-    compensations: Iterable[str] = COMPENSATIONS,
     enough: float = 1.0,
 ) -> TuningResult:
     """Find the compensation with the smallest swing of the arm, by simulation.
@@ -239,8 +238,8 @@ def tune(
 
     Returns:
         The trials ``before`` and ``after``, each with its ``compensation`` (parameters of
-        estimator, friction observer and controller) and the arm's ``swing`` [rad]; all ``trials``; the ``parameters``
-        that changed, by node; whether there is a ``gain``.
+        estimator, friction observer and controller) and the arm's ``swing`` [rad]; all ``trials``;
+        the ``parameters`` that changed, by node; whether there is a ``gain``.
 
     Raises:
         ParameterError: The time is too short, or the pendulum falls.

@@ -19,8 +19,6 @@ from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.parameter_files import settings_file
-from furuta_friction.compensation import ObserverParameters
-from furuta_model.parameters import values
 from furuta_recordings.recorder_node import RecorderNode
 
 
@@ -57,19 +55,15 @@ def run_demo(
         graph.close()
 
 
-def settable(observer: ObserverParameters) -> dict[str, Any]:
-    """The friction observer's parameters that can be set while it runs."""
-    return {name: value for name, value in values(observer).items() if name != "sample_time"}
-
-
 def _changes(
     compensation: str, tuned: Callable[[], dict[str, Any]], settings: Settings
 ) -> dict[str, dict[str, Any]]:
-    """The parameters that a phase sets, by node; the last one has the model before the tuning."""
+    """The parameters that a phase sets, by node; the last one has σ₁ as before the tuning."""
     if compensation == TUNED:
         return {FRICTION_OBSERVER: tuned()}
     if compensation != RECOMMENDED:
         return {FRICTION_OBSERVER: {"compensation": compensation}}
-    model = loop(settings).observer
-    chosen = by_node(recommended_values(loop(settings), settings.chosen()))
-    return chosen | {FRICTION_OBSERVER: settable(model) | chosen[FRICTION_OBSERVER]}
+    described = loop(settings)
+    chosen = by_node(recommended_values(described, settings.chosen()))
+    sigma1 = described.observer.friction.sigma1
+    return chosen | {FRICTION_OBSERVER: {"sigma1": sigma1} | chosen[FRICTION_OBSERVER]}

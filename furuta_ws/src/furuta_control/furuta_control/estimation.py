@@ -1,8 +1,9 @@
 """Estimates the state from the measurement: the methods, and one sample of the chosen one.
 
 Measurement and estimate are (5,): x, then the applied torque [V] (:mod:`furuta_model.state`). A
-method gets the torque behind the delay and lag that are known of the drive. To add a method, write its file in ``estimators/`` and name it here: in
-:data:`METHODS`, in :func:`update`, and where it has parameters, memory or design.
+method gets the torque behind the delay and lag that are known of the drive. To add a method, write
+its file in ``estimators/`` and name it here: in :data:`METHODS`, in :func:`update`, and where it
+has parameters, memory or design.
 """
 
 from dataclasses import dataclass, field

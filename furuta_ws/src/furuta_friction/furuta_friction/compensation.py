@@ -195,9 +195,7 @@ def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
 
 
 @inlined
-def estimate_friction(
-    memory: CompensationMemory, x: np.ndarray, p: CompensationDesign
-) -> float:
+def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
     """F̂ [V] for the state estimate ``x`` (5,) with the applied torque; ``memory`` is updated.
 
     While the arm's state is unknown (NaN), F̂ is 0 V and the memory is kept.

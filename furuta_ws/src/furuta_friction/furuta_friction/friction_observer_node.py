@@ -110,9 +110,7 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
 
     def _answer(self, stamp: int, x: Signals | JointSample) -> None:
         if stamp != self._stamp:
-            friction, is_reduced = self._step(
-                self._memory, x, self._observer, self._samples(stamp)
-            )
+            friction, is_reduced = self._step(self._memory, x, self._observer, self._samples(stamp))
             if isnan(friction):
                 raise RefusedError(f"no value may be larger than {LARGEST_VALUE:g}, given {x}")
             self._x, self._stamp, self._friction = x, stamp, friction

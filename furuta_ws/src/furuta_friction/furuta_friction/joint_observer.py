@@ -37,7 +37,15 @@ from furuta_model.late_drive import (
 )
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once
 from furuta_model.sensors import variance
-from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, RIGID_STATES, SIGNALS, THETA, is_possible
+from furuta_model.state import (
+    APPLIED_TORQUE,
+    PHI,
+    PHI_DOT,
+    RIGID_STATES,
+    SIGNALS,
+    THETA,
+    is_possible,
+)
 
 ARM: Final = "arm"
 # Index of the load in the state of a joint, where the pendulum's angle is in that of the arm.
@@ -213,7 +221,7 @@ def joint_friction(
     reference_speed: float,
     p: JointDesign,
 ) -> float:
-    """F̂ [N m] from a sample of a joint; :func:`pass_missing` is called for each one that is missing.
+    """F̂ [N m] from a sample of a joint; each one that is missing is passed by :func:`pass_missing`.
 
     Args:
         memory: What is remembered.

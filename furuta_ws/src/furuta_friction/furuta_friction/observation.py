@@ -20,7 +20,6 @@ import numpy as np
 
 from furuta_friction import vibration
 from furuta_friction.vibration import Vibration, VibrationMemory, part_without_vibration
-from furuta_model.block import zeros
 from furuta_model.compiled import inlined
 from furuta_model.late_drive import (
     DriveMemory,

@@ -104,7 +104,7 @@ def design_prediction(
 
     A (4, 4), B (4,); samples of ``dt`` [s].
     """
-    from scipy.linalg import expm  # slow; a node without prediction does not need it
+    from scipy.linalg import expm  # noqa: PLC0415 - slow; nodes without prediction start sooner
 
     held = max(round(max(drive.lag, horizon - drive.delay * dt) / dt), 0)
     states = np.eye(RIGID_STATES + 1)

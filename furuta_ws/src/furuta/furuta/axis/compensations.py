@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.axis.axis import Axis, Controller, poles, servo_cycle
-from furuta_friction.compensation import COMPENSATIONS
 from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import ParameterError
 
 # True levels of friction, relative to those that the compensators assume.

@@ -196,9 +196,7 @@ def simulate_axis(
     speeds = np.gradient(positions, sample_time)
     units = paper_units(axis, controller)
     count = 2.0 * np.pi / counts if counts else 0.0
-    observer = observer_parameters(
-        model or axis, units, compensation, count, sample_time, delay
-    )
+    observer = observer_parameters(model or axis, units, compensation, count, sample_time, delay)
     servo = design_servo(controller, observer)
     design = design_loop(axis, units, count, delay, by_topic, servo)
     memory = new_memory(LoopMemory)

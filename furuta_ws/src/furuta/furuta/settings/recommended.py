@@ -32,10 +32,8 @@ def is_recommended(name: str, value: Any) -> bool:
     return value == RECOMMENDED and is_compensation(name)
 
 
-def recommended_values(
-    loop: Loop, held: frozenset[str] = frozenset()
-) -> dict[str, Any]:
-    """Values by full name for the rig that the ``loop`` describes; those of ``held`` are left out."""
+def recommended_values(loop: Loop, held: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """Values by full name for the rig that the ``loop`` describes, without those of ``held``."""
     drive = values(known_drive(loop), "drive.")
     told = {name: drive[name.partition(".")[2]] for name in RECOMMENDED_NAMES}
     return {

@@ -59,8 +59,8 @@ def default_settings() -> Settings:
 def rig_settings(rig: Rig) -> Settings:
     """Parameters that the rig determines: model, friction, sensors, drive, sample time and limits.
 
-    Viscous friction, which contains back-EMF, is part of the model of estimator, observer and pole placement.
-    The friction observer therefore compensates the rest of the friction.
+    Viscous friction, which contains back-EMF, is part of the model of estimator, observer and pole
+    placement. The friction observer therefore compensates the rest of the friction.
     """
     model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
     drive = LateDrive(rig.drive_dynamics.delay, rig.drive_dynamics.lag)

@@ -180,16 +180,14 @@ class Tuner:
         """A compensation to try."""
         estimator, observer, controller = self._start
         if name == NONE:
-            return Trial(NONE, 0.0, lag, self._start._replace(
-                observer=observer._replace(compensation=NONE)
-            ))
+            return Trial(
+                NONE, 0.0, lag, self._start._replace(observer=observer._replace(compensation=NONE))
+            )
         drive = observer.drive._replace(lag=lag)
         balance = controller.balance._replace(strength=1.0)
         changed = Compensation(
             estimator._replace(drive=drive),
-            observer._replace(
-                compensation=RECOMMENDED_WORD, bandwidth=scale * USUAL, drive=drive
-            ),
+            observer._replace(compensation=RECOMMENDED_WORD, bandwidth=scale * USUAL, drive=drive),
             controller._replace(balance=balance, drive=drive),
         )
         return Trial(name, scale, lag, changed)
@@ -211,8 +209,7 @@ class Tuner:
     def _try_new(self, scale: float, lag: float) -> None:
         """Try a setting, unless that is not needed, not allowed, known, or too late."""
         known = any(
-            abs(trial.scale / scale - 1.0) < DIFFERENT
-            and abs(trial.lag - lag) <= DIFFERENT * lag
+            abs(trial.scale / scale - 1.0) < DIFFERENT and abs(trial.lag - lag) <= DIFFERENT * lag
             for trial in self._trials
             if trial.name == RECOMMENDED
         )

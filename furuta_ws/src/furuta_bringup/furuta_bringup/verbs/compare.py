@@ -10,7 +10,7 @@ import click
 from click.core import ParameterSource
 
 from furuta.settings.settings import load_settings, loop
-from furuta.studies.comparison.candidates import STANDARD, parse_candidates, bandwidth_candidates
+from furuta.studies.comparison.candidates import STANDARD, bandwidth_candidates, parse_candidates
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     MOST_RIGS,
@@ -102,7 +102,7 @@ BEST = {"best_bandwidth": "best bandwidth", "residual_at_best_rad": "with it"}
     help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.",
 )
 @option(
-    "--strengths",
+    "--bandwidths",
     is_flag=True,
     help="Find the recommended setting's best bandwidth on each rig, as --truths does.",
 )
@@ -130,7 +130,7 @@ def command(
     assignments: tuple[str, ...],
     texts: tuple[str, ...],
     pushes: tuple[float, ...],
-    strengths: bool,
+    bandwidths: bool,
     seconds: float,
     out: Path | None,
     as_json: bool,
@@ -200,8 +200,8 @@ def _print_rigs(table: Table, best: list[dict[str, Any]], with_candidates: bool)
 
     candidates = table.candidates if with_candidates else []
     rows = [
-        strength | dict(zip(candidates, map(float, sizes), strict=False))
-        for strength, sizes in zip(best, table.residual.T, strict=True)
+        bandwidth | dict(zip(candidates, map(float, sizes), strict=False))
+        for bandwidth, sizes in zip(best, table.residual.T, strict=True)
     ]
     headings = {name: name.replace("_", " ") for name in candidates} | BEST
     columns = max(1, (console().width - RIG_WIDTH) // CANDIDATE_WIDTH)

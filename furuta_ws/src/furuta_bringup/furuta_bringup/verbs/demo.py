@@ -7,14 +7,13 @@ from typing import Any
 
 import click
 
-from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_ros.whole_files import whole_file
 
-# The paper's tuned LuGre compensation.
-PLAN = TuningPlan(compensations=("lugre",), enough=0.25)
+# Values of σ₁ among which the paper's LuGre compensation is tuned, relative to the set one.
+SCALES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83)
 TITLE = "limit cycle, peak to peak, last quarter of each phase"
 HEADINGS = {
     "compensation": "compensation",
@@ -105,12 +104,19 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
 
 
 def _tuned(settings: Any) -> dict[str, Any]:
+    """The LuGre compensation with the σ₁ that leaves the least swing."""
+    from furuta.motions import measure
     from furuta.settings.settings import loop
-    from furuta.studies.tuning import tune_simulated
-    from furuta_bringup.demo_run import in_lockstep, settable
 
-    result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
-    return settable(result.after.compensation.observer)
+    described = loop(settings)
+    observer = described.observer._replace(compensation="lugre")
+
+    def swing(sigma1: float) -> float:
+        tuned = observer._replace(friction=observer.friction._replace(sigma1=sigma1))
+        return measure(described._replace(observer=tuned)).phi_peak_to_peak_rad
+
+    best = min((scale * observer.friction.sigma1 for scale in SCALES), key=swing)
+    return {"compensation": "lugre", "sigma1": best}
 
 
 def _check(bag: Path) -> None:

@@ -9,8 +9,8 @@ The scan of the paper has a minus in (8), which would double the friction.
 
 The arm's error φ − reference is limited before it is fed back. An arm that is far away then returns
 at a limited speed, and the pendulum keeps enough of the voltage. For any gain on the error between
-0 and L₁ the loop with the paper's gain is stable. Integral action on that error, a rival of friction
-compensation, is an option. The strength k scales the compensation, u = −Lx + kF̂.
+0 and L₁ the loop with the paper's gain is stable. Integral action on that error, a rival of
+friction compensation, is an option. The strength k scales the compensation, u = −Lx + kF̂.
 
 If the drive is known to be late, x is the state when the command acts
 (:mod:`furuta_model.late_drive`).
@@ -40,6 +40,7 @@ from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Time constant with which the strength follows its parameter [s], so that u does not jump.
 STRENGTH_TIME = 0.1
+
 
 @dataclass
 class BalanceMemory:

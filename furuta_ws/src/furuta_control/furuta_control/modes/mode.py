@@ -44,10 +44,4 @@ def fed_back(
     friction: float, error: float, phi_dot: float, theta: float, theta_dot: float, gain: Gain
 ) -> float:
     """Command u [V] for a friction estimate [V], arm error [rad] and state, eq. (8)."""
-    return (
-        friction
-        - gain.l1 * error
-        - gain.l2 * phi_dot
-        - gain.l3 * theta
-        - gain.l4 * theta_dot
-    )
+    return friction - gain.l1 * error - gain.l2 * phi_dot - gain.l3 * theta - gain.l4 * theta_dot

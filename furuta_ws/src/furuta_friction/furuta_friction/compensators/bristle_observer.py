@@ -47,9 +47,7 @@ def observe(memory: BristleMemory, x: np.ndarray, p: Friction, joint: Joint) -> 
 
 
 @inlined
-def dry_friction(
-    memory: BristleMemory, v: float, angle: float, p: Friction, joint: Joint
-) -> float:
+def dry_friction(memory: BristleMemory, v: float, angle: float, p: Friction, joint: Joint) -> float:
     """The same without viscous friction, for speed v [rad/s] and arm ``angle`` [rad]."""
     correction = -joint.observer_gain * angle
     level = stribeck_level(v, p)

@@ -106,7 +106,7 @@ class Combined(NamedTuple):
 
 
 def design(joint: Joint, body: Body, bandwidth: float, p: CombinedParameters) -> Combined:
-    """The compensator for a joint and its body, whose friction is observed with a bandwidth [1/s]."""
+    """The compensator for a joint and its body; the friction is observed with a bandwidth [1/s]."""
     level = float(highest_level(joint.friction))
     dt = joint.sample_time
     return Combined(
