@@ -4,8 +4,7 @@ The recommended setting is tried with one change at a time: the lag that is know
 the bandwidth with which friction is observed. The level of the friction it learns by itself. The
 swing is the arm's estimated angle, peak to peak, which a real rig provides too.
 
-1. The motion is measured as it is, with the recommended setting, and without compensation where the
-   pendulum stands.
+1. The motion is measured as it is, then with the recommended setting.
 2. While the swing is too large, further lags are tried, then the bandwidth by factors of the root
    of two, with the best lag.
 3. A trial counts as small enough, by default a count of the encoder, only after a longer
@@ -60,8 +59,6 @@ SMALLEST_COUNT = 1e-3
 LAGS, DIFFERENT = (0.006, 0.012, 0.025), 0.2
 # Factor on the scale of the bandwidth, and scales that are allowed.
 STEP, SCALES = sqrt(2.0), (0.25, 4.0)
-# Swing without compensation that may be tried [rad].
-SHOWN = 0.2
 # Swing, relative to the best one, below which a trial is better, and from which it is given up.
 BETTER, GROWN = 0.9, 1.3
 # Swing in the second half of a measurement, relative to all, below which it begins again.
@@ -144,9 +141,6 @@ class Tuner:
         self._try_new(1.0, before.lag)
         if self._best().swing == inf:
             raise self._left_guard("every trial")
-        needed = self._best().swing > self._enough and before.name != NONE
-        if needed and self._has_time(LONGEST):
-            self._try(self._candidate(NONE, 1.0, before.lag))
         self._search()
         after = self._confirmed()
         return TuningResult(before, after, self._trials, self._elapsed, self._count)
@@ -155,10 +149,8 @@ class Tuner:
         """Search again whenever the swing has grown, until ``seconds`` have passed."""
         best, end, plan = result.after, self._elapsed + seconds, self._plan
         while self._elapsed < end:
-            # None may swing more in a search.
-            best = best._replace(name=AS_IT_IS) if best.name == NONE else best
             self._trials = [best]
-            if self._try(best).swing > self._grown(best):
+            if self._try(best).swing > self._grown():
                 self._trials = []
                 self._try(best._replace(swing=inf))
                 self._plan = plan._replace(seconds=self._elapsed + plan.seconds)
@@ -176,13 +168,9 @@ class Tuner:
         name = names.get(observer.compensation, AS_IT_IS)
         return Trial(name, observer.bandwidth / USUAL, observer.drive.lag, self._start)
 
-    def _candidate(self, name: str, scale: float, lag: float) -> Trial:
-        """A compensation to try."""
+    def _recommended(self, scale: float, lag: float) -> Trial:
+        """The recommended setting with another bandwidth, for another lag."""
         estimator, observer, controller = self._start
-        if name == NONE:
-            return Trial(
-                NONE, 0.0, lag, self._start._replace(observer=observer._replace(compensation=NONE))
-            )
         drive = observer.drive._replace(lag=lag)
         balance = controller.balance._replace(strength=1.0)
         changed = Compensation(
@@ -190,7 +178,7 @@ class Tuner:
             observer._replace(compensation=RECOMMENDED_WORD, bandwidth=scale * USUAL, drive=drive),
             controller._replace(balance=balance, drive=drive),
         )
-        return Trial(name, scale, lag, changed)
+        return Trial(RECOMMENDED, scale, lag, changed)
 
     def _search(self) -> None:
         """Try other lags, then other bandwidths, until the swing is small enough."""
@@ -216,7 +204,7 @@ class Tuner:
         allowed = SCALES[0] <= scale <= SCALES[1]
         needed = self._best().swing > self._enough
         if needed and allowed and not known and self._has_time(LONGEST):
-            self._try(self._candidate(RECOMMENDED, scale, lag))
+            self._try(self._recommended(scale, lag))
 
     def _has_time(self, seconds: float = 0.0) -> bool:
         """Whether ``seconds`` are left before the last measurement."""
@@ -225,7 +213,7 @@ class Tuner:
     def _best(self, name: str = "") -> Trial:
         """The best trial, of a compensation if there is a name; else the standard one, unknown."""
         trials = [trial for trial in self._trials if name in ("", trial.name)]
-        standard = self._candidate(RECOMMENDED, 1.0, self._start.observer.drive.lag)
+        standard = self._recommended(1.0, self._start.observer.drive.lag)
         best = min(trials, key=lambda trial: (trial.given_up, trial.swing), default=standard)
         return standard if best.swing == inf else best
 
@@ -247,18 +235,18 @@ class Tuner:
 
     def _try(self, trial: Trial) -> Trial:
         """Measure a trial; if it swings more than the best one, go back to that."""
-        grown = self._grown(trial)
+        grown = self._grown()
         trial = self._measured(trial, MEASURING, grown)
         self._trials.append(trial)
         self._report(str(trial), self._elapsed)
-        if trial.swing > grown or trial.name == NONE:
+        if trial.swing > grown:
             self._go_back()
         return trial
 
-    def _grown(self, trial: Trial) -> float:
+    def _grown(self) -> float:
         """Swing of a trial [rad] from which it is given up."""
         best = self._best().swing
-        return max(GROWN * best, SHOWN if trial.name == NONE else best + self._count)
+        return max(GROWN * best, best + self._count)
 
     def _measured(self, trial: Trial, seconds: float, grown: float) -> Trial:
         """A trial with its swing, measured for longer if that is near enough."""
