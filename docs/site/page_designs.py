@@ -127,7 +127,7 @@ CONTROL_KNOBS = (
     Knob(
         "compensation",
         "Compensation",
-        "how F̂ [V] is computed; recommended: LuGre friction of a learned level and the observed rest",
+        "how F̂ [V] is computed; recommended: LuGre friction of a learned level, and the rest",
         {name: {"friction_observer.compensation": name} for name in COMPENSATIONS},
         "none",
         "friction_observer.compensation",

@@ -1,4 +1,4 @@
-"""The demo: the paper's Figs 6 to 9 and the recommended setting, through the graph in lock-step.
+"""The demo: the paper's Figs 6 to 9 and the recommended compensation, in lock-step.
 
 One pendulum keeps running while parameter services switch the compensation, as a user would.
 """
@@ -12,8 +12,6 @@ from typing import Any
 from rclpy.node import Node
 
 from furuta.settings.nodes import FRICTION_OBSERVER
-from furuta.settings.parameter_names import by_node
-from furuta.settings.recommended import RECOMMENDED, recommended_values
 from furuta.settings.settings import Settings, default_settings, loop, merge_settings
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta_bringup.graph.composed_graph import SimulatedGraph
@@ -46,8 +44,7 @@ def run_demo(
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
-            for each, changes in _changes(compensation, tuned, settings).items():
-                client.set_all(each, changes)
+            client.set_all(FRICTION_OBSERVER, _changes(compensation, tuned, settings))
             client.set("plant", run_until=end)
             graph.run_until(end)
             yield Phase(compensation, number * seconds, end, perf_counter() - began)
@@ -57,13 +54,9 @@ def run_demo(
 
 def _changes(
     compensation: str, tuned: Callable[[], dict[str, Any]], settings: Settings
-) -> dict[str, dict[str, Any]]:
-    """The parameters that a phase sets, by node; the last one has σ₁ as before the tuning."""
+) -> dict[str, Any]:
+    """The parameters of the friction observer that a phase sets."""
     if compensation == TUNED:
-        return {FRICTION_OBSERVER: tuned()}
-    if compensation != RECOMMENDED:
-        return {FRICTION_OBSERVER: {"compensation": compensation}}
-    described = loop(settings)
-    chosen = by_node(recommended_values(described, settings.chosen()))
-    sigma1 = described.observer.friction.sigma1
-    return chosen | {FRICTION_OBSERVER: {"sigma1": sigma1} | chosen[FRICTION_OBSERVER]}
+        return tuned()
+    sigma1 = loop(settings).observer.friction.sigma1
+    return {"compensation": compensation, "sigma1": sigma1}

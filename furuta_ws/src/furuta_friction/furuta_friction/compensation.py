@@ -17,20 +17,20 @@ from furuta_friction.compensator import Compensator, Joint
 from furuta_friction.compensators import (
     adaptive,
     bristle_observer,
-    combined,
     coulomb,
     own,
+    recommended,
     stiction,
 )
 from furuta_friction.compensators.adaptive import Adaptive, AdaptiveMemory, AdaptiveParameters
 from furuta_friction.compensators.bristle_observer import BristleMemory
-from furuta_friction.compensators.combined import (
-    LARGEST_LEVEL,
-    Combined,
-    CombinedMemory,
-    CombinedParameters,
-)
 from furuta_friction.compensators.own import OwnCompensation
+from furuta_friction.compensators.recommended import (
+    LARGEST_LEVEL,
+    Recommended,
+    RecommendedMemory,
+    RecommendedParameters,
+)
 from furuta_friction.observation import Body, Observation, ObservationMemory, limited, observe
 from furuta_friction.observation import design as design_observation
 from furuta_model.compiled import inlined
@@ -59,7 +59,7 @@ ALL = (
         moves_bristle=True,
     ),
     Compensator(
-        "combined",
+        "recommended",
         "LuGre friction of a learned level when the command acts, plus the observed rest",
         needs_observed_friction=True,
     ),
@@ -71,7 +71,7 @@ COULOMB = COMPENSATIONS.index("coulomb")
 STICTION = COMPENSATIONS.index("stiction")
 LUGRE = COMPENSATIONS.index("lugre")
 ADAPTIVE = COMPENSATIONS.index("adaptive")
-COMBINED = COMPENSATIONS.index("combined")
+RECOMMENDED = COMPENSATIONS.index("recommended")
 OWN = len(ALL)
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
 
@@ -88,7 +88,7 @@ class ObserverParameters(NamedTuple):
         float, About("bandwidth with which the friction is observed", "1/s", 0.01, 1e4)
     ] = 50.0
     adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
-    combined: Annotated[CombinedParameters, INLINE] = CombinedParameters()
+    recommended: Annotated[RecommendedParameters, INLINE] = RecommendedParameters()
     model: FurutaPendulum = FurutaPendulum()
     model_viscous: Annotated[
         float,
@@ -131,7 +131,7 @@ class CompensationDesign(NamedTuple):
     joint: Joint
     observation: Observation
     adaptive: Adaptive
-    combined: Combined
+    recommended: Recommended
 
 
 @dataclass
@@ -141,7 +141,7 @@ class CompensationMemory:
     bristle: BristleMemory = field(default_factory=BristleMemory)
     observation: ObservationMemory = field(default_factory=ObservationMemory)
     adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
-    combined: CombinedMemory = field(default_factory=CombinedMemory)
+    recommended: RecommendedMemory = field(default_factory=RecommendedMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
@@ -158,10 +158,10 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
     joint = Joint(p.friction, p.observer_gain, p.sample_time)
     level = float(highest_level(p.friction))
     bandwidth = limited(p.bandwidth, p.sample_time)
-    if kind == COMBINED:
-        body = combined.assumed(body, bandwidth)
+    if kind == RECOMMENDED:
+        body = recommended.assumed(body, bandwidth)
     observed = design_observation(
-        body, bandwidth, LARGEST_LEVEL * level, level, acts=kind == COMBINED
+        body, bandwidth, LARGEST_LEVEL * level, level, acts=kind == RECOMMENDED
     )
     return CompensationDesign(
         kind=kind,
@@ -171,7 +171,7 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
         joint=joint,
         observation=observed,
         adaptive=adaptive.design(joint, p.adaptive),
-        combined=combined.design(joint, body, bandwidth, p.combined),
+        recommended=recommended.design(joint, body, bandwidth, p.recommended),
     )
 
 
@@ -185,7 +185,7 @@ def reset(memory: CompensationMemory) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
     memory.bristle.z = 0.0
     observation.restart(memory.observation)
-    combined.forget(memory.combined)
+    recommended.forget(memory.recommended)
     forget_own(memory.own)
 
 
@@ -213,7 +213,7 @@ def observe_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationD
     """
     if not p.observes:
         return nan
-    model = memory.combined.model if p.kind == COMBINED else 0.0
+    model = memory.recommended.model if p.kind == RECOMMENDED else 0.0
     return observe(memory.observation, x, model, p.observation)
 
 
@@ -234,8 +234,8 @@ def compensate(  # noqa: PLR0911 (one for each compensator)
         return bristle_observer.estimate(memory.bristle, x, p.joint)
     if p.kind == ADAPTIVE:
         return adaptive.estimate(memory.bristle, memory.adaptive, x, observed, p.adaptive)
-    if p.kind == COMBINED:
-        return combined.estimate(memory.combined, x, observed, p.combined)
+    if p.kind == RECOMMENDED:
+        return recommended.estimate(memory.recommended, x, observed, p.recommended)
     if p.kind == OWN:
         return own.estimate(memory.own, x, observed, p.function, p.adaptive)
     return nan

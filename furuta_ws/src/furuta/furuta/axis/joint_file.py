@@ -32,7 +32,7 @@ OF_LOAD = ("offset", "gravity_sin", "gravity_cos")
 OF_AXIS = ("inertia", "viscous", *OF_LOAD)
 # Compensation if no controller is known with which others could be compared. LuGre can hunt where
 # the true level is a fourth below that of the file; what learns the level does not.
-USUAL = "combined"
+USUAL = "recommended"
 # What a joint must have: the defaults of these are the pendulum's.
 NEEDED = ("sample_time", "alpha0", "alpha1", "stribeck_velocity", "sigma0", "sigma1")
 # Digits that are written.

@@ -5,13 +5,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.oscillation import measure_oscillation
-from furuta.settings.recommended import RECOMMENDED
 from furuta_recordings.bags.recorded_loop import RecordedRun
 
-# The phases: the three compensations of the paper, LuGre with tuned parameters, and the recommended
-# setting.
+# The phases: the three compensations of the paper, LuGre with tuned σ₁, and the recommended one.
 TUNED = "tuned"
-COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, RECOMMENDED)
+COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, "recommended")
 # Part of each phase that is transient; the rest is evaluated.
 TRANSIENT = 0.75
 

@@ -13,7 +13,7 @@ from furuta_friction.compensation import ObserverParameters
 from furuta_model.parameters import values
 from furuta_model.state import PHI
 
-NONE, AS_IT_IS = "none", "as it is"
+NONE, RECOMMENDED, AS_IT_IS = "none", "recommended", "as it is"
 
 
 class Compensation(NamedTuple):

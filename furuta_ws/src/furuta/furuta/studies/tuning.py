@@ -23,10 +23,10 @@ from typing import Protocol
 
 import numpy as np
 
-from furuta.settings.recommended import RECOMMENDED, RECOMMENDED_WORD
 from furuta.studies.trials import (
     AS_IT_IS,
     NONE,
+    RECOMMENDED,
     Compensation,
     Trial,
     TuningResult,
@@ -164,8 +164,8 @@ class Tuner:
     def _as_it_is(self) -> Trial:
         """The initial parameters."""
         observer = self._start.observer
-        names = {"none": NONE, RECOMMENDED_WORD: RECOMMENDED}
-        name = names.get(observer.compensation, AS_IT_IS)
+        known = observer.compensation in (NONE, RECOMMENDED)
+        name = observer.compensation if known else AS_IT_IS
         return Trial(name, observer.bandwidth / USUAL, observer.drive.lag, self._start)
 
     def _recommended(self, scale: float, lag: float) -> Trial:
@@ -175,7 +175,7 @@ class Tuner:
         balance = controller.balance._replace(strength=1.0)
         changed = Compensation(
             estimator._replace(drive=drive),
-            observer._replace(compensation=RECOMMENDED_WORD, bandwidth=scale * USUAL, drive=drive),
+            observer._replace(compensation=RECOMMENDED, bandwidth=scale * USUAL, drive=drive),
             controller._replace(balance=balance, drive=drive),
         )
         return Trial(RECOMMENDED, scale, lag, changed)

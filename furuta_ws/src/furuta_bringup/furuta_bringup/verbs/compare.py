@@ -104,7 +104,7 @@ BEST = {"best_bandwidth": "best bandwidth", "residual_at_best_rad": "with it"}
 @option(
     "--bandwidths",
     is_flag=True,
-    help="Find the recommended setting's best bandwidth on each rig, as --truths does.",
+    help="Find the recommended compensation's best bandwidth on each rig, as --truths does.",
 )
 @option(
     "--seconds",
@@ -171,7 +171,7 @@ def command(
         draw_comparison(outcome, [score.candidate for score in scores], count, out)
     report = comparison_report(outcome, scores, count, by_rig=truths)
     if truths or bandwidths:
-        scaled = Comparison(settings, chosen, bandwidth_candidates(settings), seconds)
+        scaled = Comparison(settings, chosen, bandwidth_candidates(), seconds)
         runs = with_progress("bandwidths", scaled.rows(), scaled.size, quiet=as_json)
         deque(runs, maxlen=0)
         report["best_bandwidths"] = best_bandwidths(scaled.table())

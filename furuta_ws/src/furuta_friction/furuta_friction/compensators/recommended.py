@@ -1,4 +1,4 @@
-r"""Combined compensation: a friction model with a learned level, and the rest as observed.
+r"""The recommended compensation: a friction model with a learned level, and the rest as observed.
 
 .. math::
     \hat F = ρ\,m(z, v_p) + σ_2 v_p + r, \qquad
@@ -56,7 +56,7 @@ ASSUMED_LAG = 0.4
 
 
 @dataclass
-class CombinedMemory:
+class RecommendedMemory:
     """What the compensator remembers.
 
     Attributes:
@@ -82,15 +82,15 @@ class CombinedMemory:
     feedback: DriveMemory = field(default_factory=DriveMemory)
 
 
-class CombinedParameters(NamedTuple):
+class RecommendedParameters(NamedTuple):
     """Parameters of the compensator."""
 
     level_rate: Annotated[
-        float, About("combined: rate at which the level is learned", "1/s", 0.0, 1e3)
+        float, About("recommended: rate at which the level is learned", "1/s", 0.0, 1e3)
     ] = 8.0
 
 
-class Combined(NamedTuple):
+class Recommended(NamedTuple):
     """The sampled compensator: highest level [V], change of ρ in a sample for a rest of 1 V.
 
     The lag is divided by ``inversion``.
@@ -105,11 +105,11 @@ class Combined(NamedTuple):
     inversion: float
 
 
-def design(joint: Joint, body: Body, bandwidth: float, p: CombinedParameters) -> Combined:
+def design(joint: Joint, body: Body, bandwidth: float, p: RecommendedParameters) -> Recommended:
     """The compensator for a joint and its body; the friction is observed with a bandwidth [1/s]."""
     level = float(highest_level(joint.friction))
     dt = joint.sample_time
-    return Combined(
+    return Recommended(
         joint=joint,
         level=level,
         change=p.level_rate * dt / level if level > 0.0 else 0.0,
@@ -128,7 +128,7 @@ def assumed(body: Body, bandwidth: float) -> Body:
 
 
 @inlined
-def estimate(memory: CombinedMemory, x: np.ndarray, observed: float, p: Combined) -> float:
+def estimate(memory: RecommendedMemory, x: np.ndarray, observed: float, p: Recommended) -> float:
     """F̂ [V] for the time when it acts; ``observed`` [V] is what the model lacks now.
 
     If that is NaN, the linear model does not hold, and F̂ is the modelled friction at the present
@@ -155,7 +155,7 @@ def estimate(memory: CombinedMemory, x: np.ndarray, observed: float, p: Combined
 
 
 @inlined
-def _learn(memory: CombinedMemory, v: float, rest: float, p: Combined) -> None:
+def _learn(memory: RecommendedMemory, v: float, rest: float, p: Recommended) -> None:
     """Let the level follow the rest, where the arm slides at speed v in one direction."""
     direction = 1.0 if v > 0.0 else -1.0
     memory.one_way = memory.one_way + 1 if direction == memory.direction else 0
@@ -168,7 +168,7 @@ def _learn(memory: CombinedMemory, v: float, rest: float, p: Combined) -> None:
 
 
 @inlined
-def forget(memory: CombinedMemory) -> None:
+def forget(memory: RecommendedMemory) -> None:
     """Relax the bristle and forget what has been sent; the level is kept."""
     memory.bristle.z = memory.model = memory.sent = memory.model_lag = memory.sent_lag = 0.0
     memory.one_way = 0
