@@ -67,8 +67,8 @@ def test_bounded_for_any_motion(kind: str) -> None:
             adaptive=AdaptiveParameters(abs(gain)),
             sample_time=dt,
         )[kind]
-        inversion = 2.0 * observer.recommended.inversion - 1.0
-        factor = {"adaptive": 3.0, "recommended": LARGEST_LEVEL * inversion}.get(kind, 1.0)
+        inverted = 2.0 * observer.recommended.inversion - 1.0
+        factor = {"adaptive": 3.0, "recommended": LARGEST_LEVEL * inverted}.get(kind, 1.0)
         bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
         memory, speeds = empty(), rng.choice([-1, 0, 1], 500) * 10 ** rng.uniform(-6, 3, 500)
         unknown, (phi, friction) = rng.random(500) < 0.5, rng.normal(0, 10, (2, 500))

@@ -29,11 +29,11 @@ def in_lockstep(settings: Settings) -> Settings:
 
 
 def run_demo(
-    settings: Settings, tuned: Callable[[], dict[str, Any]], seconds: float, bag: Path
+    settings: Settings, tuned: Callable[[], float], seconds: float, bag: Path
 ) -> Iterator[Phase]:
     """Run every compensation for ``seconds``, and record the graph into ``bag``.
 
-    ``tuned`` gives the parameters of the friction observer after the tuning; it may wait for them.
+    ``tuned`` gives the tuned σ₁ of the friction observer; it may wait for it.
     """
     node = Node("furuta_demo", start_parameter_services=False)
     settings = in_lockstep(settings)
@@ -52,11 +52,8 @@ def run_demo(
         graph.close()
 
 
-def _changes(
-    compensation: str, tuned: Callable[[], dict[str, Any]], settings: Settings
-) -> dict[str, Any]:
+def _changes(compensation: str, tuned: Callable[[], float], settings: Settings) -> dict[str, Any]:
     """The parameters of the friction observer that a phase sets."""
     if compensation == TUNED:
-        return tuned()
-    sigma1 = loop(settings).observer.friction.sigma1
-    return {"compensation": compensation, "sigma1": sigma1}
+        return {"compensation": "lugre", "sigma1": tuned()}
+    return {"compensation": compensation, "sigma1": loop(settings).observer.friction.sigma1}

@@ -12,8 +12,6 @@ from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options,
 from furuta_bringup.printing import print_json, show
 from furuta_ros.whole_files import whole_file
 
-# Values of σ₁ among which the paper's LuGre compensation is tuned, relative to the set one.
-SCALES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83)
 TITLE = "limit cycle, peak to peak, last quarter of each phase"
 HEADINGS = {
     "compensation": "compensation",
@@ -69,7 +67,8 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     from rich.console import Console
 
     from furuta.figures.series import draw_demo
-    from furuta.studies.phases import COMPENSATIONS, evaluate
+    from furuta.settings.settings import loop
+    from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
     from furuta_bringup.demo_run import run_demo
     from furuta_bringup.printing import with_progress
     from furuta_bringup.warm_up import compile_nodes, workers
@@ -83,7 +82,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     console = Console(stderr=True, quiet=quiet)
     with workers() as pool:
         # In a simulation, which has the numbers of the graph; the first phases run meanwhile.
-        tuning = pool.submit(_tuned, settings)
+        tuning = pool.submit(tuned_sigma1, loop(settings))
         compile_nodes(pool, quiet)
         with ros_context(private=True):
             running = run_demo(settings, tuning.result, seconds, new)
@@ -97,26 +96,10 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
         draw_demo(recorded, phases, figure)
     return {
         "runs": evaluate(phases, recorded),
-        "tuned_parameters": tuning.result(),
+        "tuned_parameters": {"compensation": "lugre", "sigma1": tuning.result()},
         "figure": str(figure),
         "bag": str(bag),
     }
-
-
-def _tuned(settings: Any) -> dict[str, Any]:
-    """The LuGre compensation with the σ₁ that leaves the least swing."""
-    from furuta.motions import measure
-    from furuta.settings.settings import loop
-
-    described = loop(settings)
-    observer = described.observer._replace(compensation="lugre")
-
-    def swing(sigma1: float) -> float:
-        tuned = observer._replace(friction=observer.friction._replace(sigma1=sigma1))
-        return measure(described._replace(observer=tuned)).phi_peak_to_peak_rad
-
-    best = min((scale * observer.friction.sigma1 for scale in SCALES), key=swing)
-    return {"compensation": "lugre", "sigma1": best}
 
 
 def _check(bag: Path) -> None:
