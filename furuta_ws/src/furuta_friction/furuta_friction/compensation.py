@@ -86,7 +86,7 @@ class ObserverParameters(NamedTuple):
     ] = 0.01
     bandwidth: Annotated[
         float, About("bandwidth with which the friction is observed", "1/s", 0.01, 1e4)
-    ] = 50.0
+    ] = 60.0
     adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
     recommended: Annotated[RecommendedParameters, INLINE] = RecommendedParameters()
     model: FurutaPendulum = FurutaPendulum()
@@ -213,8 +213,10 @@ def observe_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationD
     """
     if not p.observes:
         return nan
-    model = memory.recommended.model if p.kind == RECOMMENDED else 0.0
-    return observe(memory.observation, x, model, p.observation)
+    if p.kind == RECOMMENDED:
+        model, scale = memory.recommended.model, recommended.bandwidth_scale(memory.recommended)
+        return observe(memory.observation, x, model, scale, p.observation)
+    return observe(memory.observation, x, 0.0, 1.0, p.observation)
 
 
 @inlined

@@ -130,10 +130,13 @@ def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool)
 
 
 @inlined
-def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observation) -> float:
+def observe(
+    memory: ObservationMemory, x: np.ndarray, model: float, scale: float, p: Observation
+) -> float:
     """The rest r [V] of the friction in state ``x`` (5,), where the torque is that applied.
 
-    ``model`` [V] is the modelled friction in that torque. Far from upright, or if a number is
+    ``model`` [V] is the modelled friction in that torque; the bandwidth is multiplied by ``scale``,
+    about 1. Far from upright, or if a number is
     unknown, the rest is NaN and the observer starts anew.
     """
     v, voltage = x[PHI_DOT], x[APPLIED_TORQUE] - model
@@ -147,10 +150,10 @@ def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observati
     else:
         memory.started, memory.speed = True, v
         memory.sliding = memory.integral = memory.rest = 0.0
-        memory.vibration.part = p.first_part
+        vibration.start(memory.vibration, p.first_part)
     memory.sliding += p.share * ((v - memory.speed) / p.b - memory.sliding)
     gained = p.bandwidth * memory.sliding
-    part = part_without_vibration(memory.vibration, gained, p.vibration)
+    part = scale * part_without_vibration(memory.vibration, gained, p.vibration)
     w = memory.integral - INTEGRAL * p.dt * p.bandwidth * gained * part * part
     memory.integral = min(max(w, -p.limit), p.limit)
     memory.rest = memory.integral - part * gained

@@ -15,7 +15,7 @@ The lag of the drive is inverted for F̂, down to a shortest one; noise forbids 
 """
 
 from dataclasses import dataclass, field
-from math import ceil, isnan
+from math import ceil, isnan, sqrt
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -41,6 +41,8 @@ from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
 
 # Largest level and observed rest, relative to the highest level of the friction parameters.
 LARGEST_LEVEL = 4.0
+# Levels between which the bandwidth follows the root of the level.
+SCALED_LEVELS = 0.5, 2.0
 SMALLEST_LEVEL = 1e-4
 # Rate at which the level falls, relative to that at which it rises.
 FALL = 0.25
@@ -152,6 +154,12 @@ def estimate(memory: RecommendedMemory, x: np.ndarray, observed: float, p: Recom
     memory.sent = memory.sent_lag + p.inversion * (due - memory.sent_lag)
     memory.sent_lag += share * (memory.sent - memory.sent_lag)
     return memory.sent
+
+
+@inlined
+def bandwidth_scale(memory: RecommendedMemory) -> float:
+    """Scale of the bandwidth for the learned level: what friction damps vibrates less."""
+    return sqrt(min(max(memory.level, SCALED_LEVELS[0]), SCALED_LEVELS[1]))
 
 
 @inlined
