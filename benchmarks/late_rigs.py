@@ -294,7 +294,7 @@ def main() -> None:
 
 
 def _in_mrad(value: float) -> str:
-    return "falls" if value == inf else f"{1e3 * value:.0f}"
+    return "falls" if value == inf else f"{1e3 * value:.1f}"
 
 
 def _print_table(group: str, swings: dict[str, np.ndarray]) -> None:
