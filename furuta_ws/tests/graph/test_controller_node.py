@@ -84,7 +84,7 @@ def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
     client = ParameterClient(loop.bench.probe, loop.bench.executor)
     client.set("controller", integral_time=0.05)
     rig = loop.bench.probe.create_publisher(ARMED.message, ARMED.name, LATCHED)
-    for armed, correction in ((False, 0.02), (True, 1.0)):
+    for armed, correction in ((False, 0.02), (True, 0.5)):
         rig.publish(Bool(data=armed))
         loop.bench.spin(lambda armed=armed: loop.node._is_applied == armed)
         for milliseconds in range(300):

@@ -1,12 +1,12 @@
 """Tuning of the compensation by the arm's swing, on a pendulum in motion, simulated or real.
 
-The recommended setting is tried with one change at a time: the lag that is known of the drive, and
-the bandwidth with which friction is observed. The level of the friction it learns by itself. The
+The recommended setting is tried with one change at a time: the bandwidth with which friction is
+observed, and the lag that is known of the drive. The level of the friction it learns by itself. The
 swing is the arm's estimated angle, peak to peak, which a real rig provides too.
 
 1. The motion is measured as it is, then with the recommended setting.
-2. While the swing is too large, further lags are tried, then the bandwidth by factors of the root
-   of two, with the best lag.
+2. While the swing is too large, the bandwidth is changed by factors of the root of two, then
+   further lags are tried with the best bandwidth.
 3. A trial counts as small enough, by default a count of the encoder, only after a longer
    measurement. Otherwise the best one is measured once more. If the motion as it was is not worse,
    nothing changes.
@@ -181,12 +181,12 @@ class Tuner:
         return Trial(RECOMMENDED, scale, lag, changed)
 
     def _search(self) -> None:
-        """Try other lags, then other bandwidths, until the swing is small enough."""
-        for lag in LAGS:
-            self._try_new(1.0, lag)
+        """Try other bandwidths, then other lags, until the swing is small enough."""
         for factor in (1.0 / STEP, STEP):
             while self._improves(factor):
                 pass
+        for lag in LAGS:
+            self._try_new(self._best(RECOMMENDED).scale, lag)
 
     def _improves(self, factor: float) -> bool:
         """Whether the bandwidth of the best trial, changed by a factor, is better."""

@@ -81,7 +81,7 @@ def command(
 ) -> None:
     """Find the compensation with the smallest swing of the arm.
 
-    The recommended setting is tried with other lags of the drive and other bandwidths, until the
+    The recommended setting is tried with other bandwidths and other lags of the drive, until the
     arm swings by at most one count of its encoder. Where the swing grows, the best setting so far
     is restored at once. If
     nothing is better than the motion as it was, nothing changes; "gain" is then false in the JSON,
