@@ -16,6 +16,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from furuta_friction.compensation import (
+    RECOMMENDED,
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
@@ -52,6 +53,11 @@ ARM: Final = "arm"
 LOAD: Final = THETA
 # Largest level [V] and viscous friction [V s/rad] of it.
 LARGEST_OF_ARM: Final = 100.0
+
+# Estimates that are remembered: an effort can contain any but the last of them.
+SENT: Final = 5
+# Part of what is known of their lateness that is forgotten in a sample.
+FORGOTTEN: Final = 0.02
 
 # Position, speed, effort, and speed of the reference.
 JointSample = tuple[float, float, float, float]
@@ -136,6 +142,9 @@ class JointMemory:
     load: float = 0.0
     torque: float = 0.0
     friction: float = 0.0
+    given: float = 0.0
+    sent: np.ndarray = zeros(SENT)
+    changes: np.ndarray = zeros(SENT - 1)
     drive: DriveMemory = field(default_factory=DriveMemory)
     compensation: CompensationMemory = field(default_factory=CompensationMemory)
 
@@ -197,6 +206,11 @@ def reset(memory: JointMemory) -> None:
     """Begin anew with the next sample; levels that have adapted are kept."""
     memory.started = False
     memory.friction = 0.0
+    memory.given = 0.0
+    for i in range(SENT):
+        memory.sent[i] = 0.0
+    for i in range(SENT - 1):
+        memory.changes[i] = 0.0
     forget_voltages(memory.drive)
     reset_compensation(memory.compensation)
 
@@ -237,6 +251,8 @@ def joint_friction(
         if not isnan(torque):
             memory.torque = acting_torque(memory.drive, torque, p.drive)
         x[LOAD], x[APPLIED_TORQUE] = memory.load, torque
+        if p.compensation.kind == RECOMMENDED:
+            x[APPLIED_TORQUE] = _as_if_at_once(memory, torque)
         _observe(memory, position, p)
         x[PHI_DOT] = memory.estimate[1]
     observed, own = observe_friction(memory.compensation, x, p.compensation), x[PHI_DOT]
@@ -244,6 +260,10 @@ def joint_friction(
         square, half = reference_speed * reference_speed, p.model.reference_speed
         x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
     memory.friction = compensate(memory.compensation, x, observed, p.compensation)
+    if p.compensation.kind == RECOMMENDED:
+        for i in range(SENT - 1, 0, -1):
+            memory.sent[i] = memory.sent[i - 1]
+        memory.sent[0] = memory.friction
     return memory.friction
 
 
@@ -271,6 +291,25 @@ def joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: 
         pass_missing(memory[0], design[0])
     position, speed, effort, reference_speed = x
     return joint_friction(memory[0], position, speed, effort, reference_speed, design[0])
+
+
+@inlined
+def _as_if_at_once(memory: JointMemory, torque: float) -> float:
+    """The torque [N m] if it contained the newest estimate of friction, not a late one.
+
+    A controller changes its feedback less from sample to sample than friction changes with its
+    sign. So the torque contains that estimate without which it has changed least.
+    """
+    if isnan(torque):
+        return torque
+    late = 0
+    for i in range(SENT - 1):
+        change = torque - memory.given - (memory.sent[i] - memory.sent[i + 1])
+        memory.changes[i] += FORGOTTEN * (change * change - memory.changes[i])
+        if memory.changes[i] < memory.changes[late]:
+            late = i
+    memory.given = torque
+    return torque - memory.sent[late] + memory.sent[0]
 
 
 @inlined

@@ -78,7 +78,8 @@ def acting_torque(memory: DriveMemory, voltage: float, p: SampledDrive) -> float
 @inlined
 def forget_voltages(memory: DriveMemory) -> None:
     """Forget what has been sent."""
-    memory.voltages[:] = 0.0
+    for place in range(DELAY_SLOTS):
+        memory.voltages[place] = 0.0
     memory.torque = 0.0
 
 
