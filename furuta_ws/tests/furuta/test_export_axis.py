@@ -206,9 +206,7 @@ def test_the_test_program_finds_a_wrong_gain(
     assert load(tmp_path, "-Dmain=axis_test", *sources).axis_test() == 1
 
 
-@pytest.mark.parametrize(
-    ("case", "precision"), [("late", "float"), ("recommended", "double")]
-)
+@pytest.mark.parametrize(("case", "precision"), [("late", "float"), ("recommended", "double")])
 def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> None:
     """Compiled without warnings and without a C library; no static memory."""
     write_axis(joint_of(case), tmp_path, PRECISIONS[precision])

@@ -33,6 +33,7 @@ from furuta_model.late_drive import (
     DriveMemory,
     SampledDrive,
     acting_torque,
+    assume_held,
     design_drive,
     forget_voltages,
 )
@@ -250,19 +251,21 @@ def joint_friction(
     if p.observes:
         if not isnan(torque):
             memory.torque = acting_torque(memory.drive, torque, p.drive)
-        x[LOAD], x[APPLIED_TORQUE] = memory.load, torque
+        x[APPLIED_TORQUE] = torque
         if p.compensation.kind == RECOMMENDED:
             x[APPLIED_TORQUE] = _as_if_at_once(memory, torque)
         _observe(memory, position, p)
-        x[PHI_DOT] = memory.estimate[1]
+        x[LOAD], x[PHI_DOT] = memory.load, memory.estimate[1]
     observed, own = observe_friction(memory.compensation, x, p.compensation), x[PHI_DOT]
     if not isnan(reference_speed) and reference_speed != 0.0:
         square, half = reference_speed * reference_speed, p.model.reference_speed
         x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
-    memory.friction = compensate(memory.compensation, x, observed, p.compensation)
+    memory.friction = 0.0
+    if not isnan(x[PHI_DOT]):
+        memory.friction = compensate(memory.compensation, x, observed, p.compensation)
     if p.compensation.kind == RECOMMENDED:
-        for i in range(SENT - 1, 0, -1):
-            memory.sent[i] = memory.sent[i - 1]
+        for i in range(SENT - 1):
+            memory.sent[SENT - 1 - i] = memory.sent[SENT - 2 - i]
         memory.sent[0] = memory.friction
     return memory.friction
 
@@ -319,7 +322,8 @@ def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
         predict(memory, p)
     if isnan(position):
         return
-    if memory.started:
+    starts = not memory.started
+    if not starts:
         innovation = position - memory.estimate[0]
         for i in range(3):
             memory.estimate[i] += p.gain[i] * innovation
@@ -328,3 +332,9 @@ def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
         memory.estimate[0], memory.estimate[1], memory.estimate[2] = position, 0.0, 0.0
     sine, cosine = sin_cos(position)
     memory.load = p.model.offset + p.model.gravity_sin * sine + p.model.gravity_cos * cosine
+    if starts:
+        # The drive has held the joint, so a torque that is late does not seem to be missing.
+        memory.torque = memory.load
+        assume_held(memory.drive, memory.load)
+        assume_held(memory.compensation.observation.drive, memory.load)
+        assume_held(memory.compensation.recommended.feedback, memory.load)
