@@ -29,6 +29,7 @@ MODEL = JointModel(
     resolution=RESOLUTION,
     friction_process_noise=3.0,
 )
+AT_ONCE = LateDrive()
 DRY = Friction(sigma0=2e4, sigma1=50.0, alpha0=LEVEL, alpha1=0.0, stribeck_velocity=0.05)
 
 
@@ -41,7 +42,7 @@ class Observer:
         model: JointModel = MODEL,
         dt: float = 1e-3,
         dry: Friction = DRY,
-        drive: LateDrive = LateDrive(),
+        drive: LateDrive = AT_ONCE,
     ) -> None:
         usual = ObserverParameters(compensation, dry, drive=drive, sample_time=dt)
         design = design_joint(ObserverNodeParameters(usual, "elbow_joint", model))
