@@ -16,6 +16,7 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from furuta_friction.compensation import (
+    RECOMMENDED,
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
@@ -32,6 +33,7 @@ from furuta_model.late_drive import (
     DriveMemory,
     SampledDrive,
     acting_torque,
+    assume_held,
     design_drive,
     forget_voltages,
 )
@@ -52,6 +54,11 @@ ARM: Final = "arm"
 LOAD: Final = THETA
 # Largest level [V] and viscous friction [V s/rad] of it.
 LARGEST_OF_ARM: Final = 100.0
+
+# Estimates that are remembered: an effort can contain any but the last of them.
+SENT: Final = 5
+# Part of what is known of their lateness that is forgotten in a sample.
+FORGOTTEN: Final = 0.02
 
 # Position, speed, effort, and speed of the reference.
 JointSample = tuple[float, float, float, float]
@@ -136,6 +143,9 @@ class JointMemory:
     load: float = 0.0
     torque: float = 0.0
     friction: float = 0.0
+    given: float = 0.0
+    sent: np.ndarray = zeros(SENT)
+    changes: np.ndarray = zeros(SENT - 1)
     drive: DriveMemory = field(default_factory=DriveMemory)
     compensation: CompensationMemory = field(default_factory=CompensationMemory)
 
@@ -197,6 +207,11 @@ def reset(memory: JointMemory) -> None:
     """Begin anew with the next sample; levels that have adapted are kept."""
     memory.started = False
     memory.friction = 0.0
+    memory.given = 0.0
+    for i in range(SENT):
+        memory.sent[i] = 0.0
+    for i in range(SENT - 1):
+        memory.changes[i] = 0.0
     forget_voltages(memory.drive)
     reset_compensation(memory.compensation)
 
@@ -236,14 +251,22 @@ def joint_friction(
     if p.observes:
         if not isnan(torque):
             memory.torque = acting_torque(memory.drive, torque, p.drive)
-        x[LOAD], x[APPLIED_TORQUE] = memory.load, torque
+        x[APPLIED_TORQUE] = torque
+        if p.compensation.kind == RECOMMENDED:
+            x[APPLIED_TORQUE] = _as_if_at_once(memory, torque)
         _observe(memory, position, p)
-        x[PHI_DOT] = memory.estimate[1]
+        x[LOAD], x[PHI_DOT] = memory.load, memory.estimate[1]
     observed, own = observe_friction(memory.compensation, x, p.compensation), x[PHI_DOT]
     if not isnan(reference_speed) and reference_speed != 0.0:
         square, half = reference_speed * reference_speed, p.model.reference_speed
         x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
-    memory.friction = compensate(memory.compensation, x, observed, p.compensation)
+    memory.friction = 0.0
+    if not isnan(x[PHI_DOT]):
+        memory.friction = compensate(memory.compensation, x, observed, p.compensation)
+    if p.compensation.kind == RECOMMENDED:
+        for i in range(SENT - 1):
+            memory.sent[SENT - 1 - i] = memory.sent[SENT - 2 - i]
+        memory.sent[0] = memory.friction
     return memory.friction
 
 
@@ -274,13 +297,33 @@ def joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: 
 
 
 @inlined
+def _as_if_at_once(memory: JointMemory, torque: float) -> float:
+    """The torque [N m] if it contained the newest estimate of friction, not a late one.
+
+    A controller changes its feedback less from sample to sample than friction changes with its
+    sign. So the torque contains that estimate without which it has changed least.
+    """
+    if isnan(torque):
+        return torque
+    late = 0
+    for i in range(SENT - 1):
+        change = torque - memory.given - (memory.sent[i] - memory.sent[i + 1])
+        memory.changes[i] += FORGOTTEN * (change * change - memory.changes[i])
+        if memory.changes[i] < memory.changes[late]:
+            late = i
+    memory.given = torque
+    return torque - memory.sent[late] + memory.sent[0]
+
+
+@inlined
 def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
     """Move the estimate by one sample, to a measured position if there is one."""
     if memory.started:
         predict(memory, p)
     if isnan(position):
         return
-    if memory.started:
+    starts = not memory.started
+    if not starts:
         innovation = position - memory.estimate[0]
         for i in range(3):
             memory.estimate[i] += p.gain[i] * innovation
@@ -289,3 +332,9 @@ def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
         memory.estimate[0], memory.estimate[1], memory.estimate[2] = position, 0.0, 0.0
     sine, cosine = sin_cos(position)
     memory.load = p.model.offset + p.model.gravity_sin * sine + p.model.gravity_cos * cosine
+    if starts:
+        # The drive has held the joint, so a torque that is late does not seem to be missing.
+        memory.torque = memory.load
+        assume_held(memory.drive, memory.load)
+        assume_held(memory.compensation.observation.drive, memory.load)
+        assume_held(memory.compensation.recommended.feedback, memory.load)

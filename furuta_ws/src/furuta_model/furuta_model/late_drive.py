@@ -67,8 +67,8 @@ def acting_torque(memory: DriveMemory, voltage: float, p: SampledDrive) -> float
     memory.voltages[memory.place] = voltage
     due = voltage
     if p.delayed:
-        due = memory.voltages[(memory.place - p.delay) % DELAY_SLOTS]
-    memory.place = (memory.place + 1) % DELAY_SLOTS
+        due = sent_before(memory, p.delay)
+    memory.place = memory.place + 1 if memory.place + 1 < DELAY_SLOTS else 0
     step = due - memory.torque
     mean = memory.torque + p.mean_share * step
     memory.torque += p.end_share * step
@@ -76,10 +76,24 @@ def acting_torque(memory: DriveMemory, voltage: float, p: SampledDrive) -> float
 
 
 @inlined
+def sent_before(memory: DriveMemory, samples: int) -> float:
+    """What has been sent so many places before the next one."""
+    place = memory.place - samples
+    return memory.voltages[place if place >= 0 else place + DELAY_SLOTS]
+
+
+@inlined
+def assume_held(memory: DriveMemory, voltage: float) -> None:
+    """Remember as if this voltage had been sent for long."""
+    for place in range(DELAY_SLOTS):
+        memory.voltages[place] = voltage
+    memory.torque = voltage
+
+
+@inlined
 def forget_voltages(memory: DriveMemory) -> None:
     """Forget what has been sent."""
-    memory.voltages[:] = 0.0
-    memory.torque = 0.0
+    assume_held(memory, 0.0)
 
 
 class Prediction(NamedTuple):
@@ -142,5 +156,5 @@ def predicted(memory: DriveMemory, x: np.ndarray, i: int, p: Prediction) -> floa
     for j in range(RIGID_STATES):
         value += p.state[i, j] * x[j]
     for sample in range(p.pending):
-        value += p.response[i, sample] * memory.voltages[(memory.place - 1 - sample) % DELAY_SLOTS]
+        value += p.response[i, sample] * sent_before(memory, sample + 1)
     return value
