@@ -62,6 +62,7 @@ ALL = (
         "recommended",
         "LuGre friction of a learned level when the command acts, plus the observed rest",
         needs_observed_friction=True,
+        moves_bristle=True,
     ),
 )
 COMPENSATIONS = tuple(compensator.name for compensator in ALL)
@@ -214,8 +215,8 @@ def observe_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationD
     if not p.observes:
         return nan
     if p.kind == RECOMMENDED:
-        model, scale = memory.recommended.model, recommended.bandwidth_scale(memory.recommended)
-        return observe(memory.observation, x, model, scale, p.observation)
+        known = memory.recommended
+        return observe(memory.observation, x, known.model, known.scale, p.observation)
     return observe(memory.observation, x, 0.0, 1.0, p.observation)
 
 
@@ -237,7 +238,7 @@ def compensate(  # noqa: PLR0911 (one for each compensator)
     if p.kind == ADAPTIVE:
         return adaptive.estimate(memory.bristle, memory.adaptive, x, observed, p.adaptive)
     if p.kind == RECOMMENDED:
-        return recommended.estimate(memory.recommended, x, observed, p.recommended)
+        return recommended.estimate(memory.bristle, memory.recommended, x, observed, p.recommended)
     if p.kind == OWN:
         return own.estimate(memory.own, x, observed, p.function, p.adaptive)
     return nan

@@ -57,13 +57,14 @@ class Body(NamedTuple):
 
 
 class Observation(NamedTuple):
-    """The sampled observer: row of A and b of φ̇, bandwidth, limit of the integral [V], drive."""
+    """The sampled observer: row of A, b and 1/b of φ̇, bandwidth, limit of the integral [V]."""
 
     a1: float
     a2: float
     a3: float
     a4: float
     b: float
+    inertia: float
     dt: float
     bandwidth: float
     share: float
@@ -118,6 +119,7 @@ def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool)
         a3=a3,
         a4=a4,
         b=float(body.b[PHI_DOT]),
+        inertia=1.0 / float(body.b[PHI_DOT]) if body.b[PHI_DOT] else 0.0,
         dt=body.dt,
         bandwidth=bandwidth,
         share=-expm1(-ROLL_OFF * bandwidth * body.dt),
@@ -151,7 +153,7 @@ def observe(
         memory.started, memory.speed = True, v
         memory.sliding = memory.integral = memory.rest = 0.0
         vibration.start(memory.vibration, p.first_part)
-    memory.sliding += p.share * ((v - memory.speed) / p.b - memory.sliding)
+    memory.sliding += p.share * (p.inertia * (v - memory.speed) - memory.sliding)
     gained = p.bandwidth * memory.sliding
     part = scale * part_without_vibration(memory.vibration, gained, p.vibration)
     w = memory.integral - INTEGRAL * p.dt * p.bandwidth * gained * part * part

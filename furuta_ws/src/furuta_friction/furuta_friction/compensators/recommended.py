@@ -62,8 +62,8 @@ class RecommendedMemory:
     """What the compensator remembers.
 
     Attributes:
-        bristle: Bristle of the model.
         level: Learned level, relative to that of the parameters.
+        scale: Scale of the bandwidth for this level: what friction damps vibrates less.
         direction: Direction in which the arm slides, ±1; 0 before the first sample.
         one_way: Samples for which it has slid so.
         model: Modelled friction as sent [V].
@@ -73,8 +73,8 @@ class RecommendedMemory:
         feedback: What the drive has been given by the feedback alone.
     """
 
-    bristle: BristleMemory = field(default_factory=BristleMemory)
     level: float = 1.0
+    scale: float = 1.0
     direction: float = 0.0
     one_way: int = 0
     model: float = 0.0
@@ -130,7 +130,13 @@ def assumed(body: Body, bandwidth: float) -> Body:
 
 
 @inlined
-def estimate(memory: RecommendedMemory, x: np.ndarray, observed: float, p: Recommended) -> float:
+def estimate(
+    bristle: BristleMemory,
+    memory: RecommendedMemory,
+    x: np.ndarray,
+    observed: float,
+    p: Recommended,
+) -> float:
     """F̂ [V] for the time when it acts; ``observed`` [V] is what the model lacks now.
 
     If that is NaN, the linear model does not hold, and F̂ is the modelled friction at the present
@@ -142,7 +148,7 @@ def estimate(memory: RecommendedMemory, x: np.ndarray, observed: float, p: Recom
     if not isnan(observed):
         _learn(memory, v, observed, p)
         v, rest = predicted(memory.feedback, x, PHI_DOT, p.prediction), observed
-    dry = bristle_observer.dry_friction(memory.bristle, v, x[PHI], p.joint.friction, p.joint)
+    dry = bristle_observer.dry_friction(bristle, v, x[PHI], p.joint.friction, p.joint)
     viscous = p.joint.friction.viscous * v
     largest = LARGEST_LEVEL * p.level
     model = memory.level * dry
@@ -157,12 +163,6 @@ def estimate(memory: RecommendedMemory, x: np.ndarray, observed: float, p: Recom
 
 
 @inlined
-def bandwidth_scale(memory: RecommendedMemory) -> float:
-    """Scale of the bandwidth for the learned level: what friction damps vibrates less."""
-    return sqrt(min(max(memory.level, SCALED_LEVELS[0]), SCALED_LEVELS[1]))
-
-
-@inlined
 def _learn(memory: RecommendedMemory, v: float, rest: float, p: Recommended) -> None:
     """Let the level follow the rest, where the arm slides at speed v in one direction."""
     direction = 1.0 if v > 0.0 else -1.0
@@ -173,11 +173,12 @@ def _learn(memory: RecommendedMemory, v: float, rest: float, p: Recommended) -> 
         change = p.change * rest * direction
         level = memory.level + (change if change > 0.0 else FALL * change)
         memory.level = min(max(level, SMALLEST_LEVEL), LARGEST_LEVEL)
+        memory.scale = sqrt(min(max(memory.level, SCALED_LEVELS[0]), SCALED_LEVELS[1]))
 
 
 @inlined
 def forget(memory: RecommendedMemory) -> None:
-    """Relax the bristle and forget what has been sent; the level is kept."""
-    memory.bristle.z = memory.model = memory.sent = memory.model_lag = memory.sent_lag = 0.0
+    """Forget what has been sent; the level is kept."""
+    memory.model = memory.sent = memory.model_lag = memory.sent_lag = 0.0
     memory.one_way = 0
     forget_voltages(memory.feedback)
