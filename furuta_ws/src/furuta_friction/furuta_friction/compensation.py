@@ -87,7 +87,7 @@ class ObserverParameters(NamedTuple):
     ] = 0.01
     bandwidth: Annotated[
         float, About("bandwidth with which the friction is observed", "1/s", 0.01, 1e4)
-    ] = 60.0
+    ] = 50.0
     adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
     recommended: Annotated[RecommendedParameters, INLINE] = RecommendedParameters()
     model: FurutaPendulum = FurutaPendulum()
@@ -214,10 +214,8 @@ def observe_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationD
     """
     if not p.observes:
         return nan
-    if p.kind == RECOMMENDED:
-        known = memory.recommended
-        return observe(memory.observation, x, known.model, known.scale, p.observation)
-    return observe(memory.observation, x, 0.0, 1.0, p.observation)
+    model = memory.recommended.model if p.kind == RECOMMENDED else 0.0
+    return observe(memory.observation, x, model, p.observation)
 
 
 @inlined

@@ -132,13 +132,10 @@ def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool)
 
 
 @inlined
-def observe(
-    memory: ObservationMemory, x: np.ndarray, model: float, scale: float, p: Observation
-) -> float:
+def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observation) -> float:
     """The rest r [V] of the friction in state ``x`` (5,), where the torque is that applied.
 
-    ``model`` [V] is the modelled friction in that torque; the bandwidth is multiplied by ``scale``,
-    about 1. Far from upright, or if a number is
+    ``model`` [V] is the modelled friction in that torque. Far from upright, or if a number is
     unknown, the rest is NaN and the observer starts anew.
     """
     v, voltage = x[PHI_DOT], x[APPLIED_TORQUE] - model
@@ -155,7 +152,7 @@ def observe(
         vibration.start(memory.vibration, p.first_part)
     memory.sliding += p.share * (p.inertia * (v - memory.speed) - memory.sliding)
     gained = p.bandwidth * memory.sliding
-    part = scale * part_without_vibration(memory.vibration, gained, p.vibration)
+    part = part_without_vibration(memory.vibration, gained, p.vibration)
     w = memory.integral - INTEGRAL * p.dt * p.bandwidth * gained * part * part
     memory.integral = min(max(w, -p.limit), p.limit)
     memory.rest = memory.integral - part * gained

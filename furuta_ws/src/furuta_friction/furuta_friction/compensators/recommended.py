@@ -15,7 +15,7 @@ The lag of the drive is inverted for F̂, down to a shortest one; noise forbids 
 """
 
 from dataclasses import dataclass, field
-from math import ceil, isnan, sqrt
+from math import ceil, isnan
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -41,8 +41,6 @@ from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
 
 # Largest level and observed rest, relative to the highest level of the friction parameters.
 LARGEST_LEVEL = 4.0
-# Levels between which the bandwidth follows the root of the level.
-SCALED_LEVELS = 0.5, 2.0
 SMALLEST_LEVEL = 1e-4
 # Rate at which the level falls, relative to that at which it rises.
 FALL = 0.25
@@ -63,7 +61,6 @@ class RecommendedMemory:
 
     Attributes:
         level: Learned level, relative to that of the parameters.
-        scale: Scale of the bandwidth for this level: what friction damps vibrates less.
         direction: Direction in which the arm slides, ±1; 0 before the first sample.
         one_way: Samples for which it has slid so.
         model: Modelled friction as sent [V].
@@ -74,7 +71,6 @@ class RecommendedMemory:
     """
 
     level: float = 1.0
-    scale: float = 1.0
     direction: float = 0.0
     one_way: int = 0
     model: float = 0.0
@@ -173,7 +169,6 @@ def _learn(memory: RecommendedMemory, v: float, rest: float, p: Recommended) -> 
         change = p.change * rest * direction
         level = memory.level + (change if change > 0.0 else FALL * change)
         memory.level = min(max(level, SMALLEST_LEVEL), LARGEST_LEVEL)
-        memory.scale = sqrt(min(max(memory.level, SCALED_LEVELS[0]), SCALED_LEVELS[1]))
 
 
 @inlined
