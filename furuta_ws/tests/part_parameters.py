@@ -6,7 +6,7 @@ from typing import Any
 from furuta_control.control import ControllerParameters
 from furuta_control.modes.balance import BalanceParameters
 from furuta_friction.compensation import ObserverParameters, design_compensator
-from furuta_friction.compensators.recommended import LARGEST_LEVEL
+from furuta_friction.compensators.recommended import LARGEST_ESTIMATE
 
 
 def controller(**given: Any) -> ControllerParameters:
@@ -22,5 +22,5 @@ def largest_estimate(v: float, p: ObserverParameters) -> float:
     if p.compensation == "recommended":
         # The viscous part is that of a predicted speed.
         inverted = 2.0 * design_compensator(p).recommended.inversion - 1.0
-        return inf if friction.viscous else inverted * LARGEST_LEVEL * level
+        return inf if friction.viscous else inverted * LARGEST_ESTIMATE * level
     return factor * level + friction.viscous * abs(v)

@@ -19,7 +19,7 @@ from furuta_friction.compensation import (
     estimate_friction,
 )
 from furuta_friction.compensators.adaptive import AdaptiveParameters
-from furuta_friction.compensators.recommended import LARGEST_LEVEL
+from furuta_friction.compensators.recommended import LARGEST_ESTIMATE
 from furuta_model.block import new_memory
 from furuta_model.friction.parameters import Friction
 
@@ -68,7 +68,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
             sample_time=dt,
         )[kind]
         inverted = 2.0 * observer.recommended.inversion - 1.0
-        factor = {"adaptive": 3.0, "recommended": LARGEST_LEVEL * inverted}.get(kind, 1.0)
+        factor = {"adaptive": 3.0, "recommended": LARGEST_ESTIMATE * inverted}.get(kind, 1.0)
         bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
         memory, speeds = empty(), rng.choice([-1, 0, 1], 500) * 10 ** rng.uniform(-6, 3, 500)
         unknown, (phi, friction) = rng.random(500) < 0.5, rng.normal(0, 10, (2, 500))
@@ -168,9 +168,9 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
         assert memory["adaptive"].item() == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 4 * 0.232)])
+@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 16 * 0.232)])
 def test_the_rest_is_compensated_beside_the_model(observed: float, expected: float) -> None:
-    """At rest F̂ is what is observed, limited to four levels."""
+    """At rest F̂ is what is observed, limited to sixteen levels."""
     compensator, memory, estimate = compensators()["recommended"], empty(), 0.0
     for _ in range(5000):
         # The drive has been given F̂ alone, so no motion is predicted.

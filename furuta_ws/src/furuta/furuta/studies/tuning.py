@@ -44,6 +44,7 @@ from furuta.studies.tuning_plan import (
     TuningPlan,
 )
 from furuta_friction.compensation import ObserverParameters
+from furuta_friction.observation import limited
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
 from furuta_sim.simulation.closed_loop import Loop, Simulation
@@ -201,7 +202,8 @@ class Tuner:
             for trial in self._trials
             if trial.name == RECOMMENDED
         )
-        allowed = SCALES[0] <= scale <= SCALES[1]
+        observer = self._start.observer
+        allowed = SCALES[0] <= scale <= limited(SCALES[1] * USUAL, observer.sample_time) / USUAL
         needed = self._best().swing > self._enough
         if needed and allowed and not known and self._has_time(LONGEST):
             self._try(self._recommended(scale, lag))

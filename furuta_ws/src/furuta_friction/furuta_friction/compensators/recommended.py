@@ -39,8 +39,9 @@ from furuta_model.late_drive import (
 from furuta_model.parameters import About
 from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
 
-# Largest level and observed rest, relative to the highest level of the friction parameters.
-LARGEST_LEVEL = 4.0
+# Largest level, and largest F̂ without viscous friction, relative to the highest level of the
+# friction parameters. The rest also holds against a push, which is much larger than friction.
+LARGEST_LEVEL, LARGEST_ESTIMATE = 4.0, 16.0
 SMALLEST_LEVEL = 1e-4
 # Rate at which the level falls, relative to that at which it rises.
 FALL = 0.25
@@ -146,7 +147,7 @@ def estimate(
         v, rest = predicted(memory.feedback, x, PHI_DOT, p.prediction), observed
     dry = bristle_observer.dry_friction(bristle, v, x[PHI], p.joint.friction, p.joint)
     viscous = p.joint.friction.viscous * v
-    largest = LARGEST_LEVEL * p.level
+    largest = LARGEST_ESTIMATE * p.level
     model = memory.level * dry
     due = min(max(model + rest, -largest), largest) + viscous
     # Behind the lag, what is sent follows what is due with the lag divided by the inversion.
