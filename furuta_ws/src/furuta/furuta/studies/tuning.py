@@ -5,8 +5,7 @@ observed, and the lag that is known of the drive. The level of the friction it l
 swing is the arm's estimated angle, peak to peak, which a real rig provides too.
 
 1. The motion is measured as it is, then with the recommended setting.
-2. While the swing is too large, the bandwidth is changed by factors of the root of two, then
-   further lags are tried with the best bandwidth.
+2. While the swing is too large, other bandwidths are tried, then other lags with the best one.
 3. A trial counts as small enough, by default a count of the encoder, only after a longer
    measurement. Otherwise the best one is measured once more. If the motion as it was is not worse,
    nothing changes.
@@ -18,7 +17,7 @@ the best one so far, the best setting is restored and the search goes on.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, sqrt
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -58,8 +57,8 @@ USUAL = ObserverParameters().bandwidth
 SMALLEST_COUNT = 1e-3
 # Lags of the drive that are tried [s]; relative difference of two lags or scales.
 LAGS, DIFFERENT = (0.006, 0.012, 0.025), 0.2
-# Factor on the scale of the bandwidth, and scales that are allowed.
-STEP, SCALES = sqrt(2.0), (0.25, 4.0)
+# Scales of the bandwidth that are tried.
+SCALES = 0.7, 1.4, 2.0, 0.5
 # Swing, relative to the best one, below which a trial is better, and from which it is given up.
 BETTER, GROWN = 0.9, 1.3
 # Swing in the second half of a measurement, relative to all, below which it begins again.
@@ -183,17 +182,10 @@ class Tuner:
 
     def _search(self) -> None:
         """Try other bandwidths, then other lags, until the swing is small enough."""
-        for factor in (1.0 / STEP, STEP):
-            while self._improves(factor):
-                pass
+        for scale in SCALES:
+            self._try_new(scale, self._best(RECOMMENDED).lag)
         for lag in LAGS:
             self._try_new(self._best(RECOMMENDED).scale, lag)
-
-    def _improves(self, factor: float) -> bool:
-        """Whether the bandwidth of the best trial, changed by a factor, is better."""
-        best = self._best(RECOMMENDED)
-        self._try_new(factor * best.scale, best.lag)
-        return self._best(RECOMMENDED).swing < BETTER * best.swing
 
     def _try_new(self, scale: float, lag: float) -> None:
         """Try a setting, unless that is not needed, not allowed, known, or too late."""
@@ -202,8 +194,8 @@ class Tuner:
             for trial in self._trials
             if trial.name == RECOMMENDED
         )
-        observer = self._start.observer
-        allowed = SCALES[0] <= scale <= limited(SCALES[1] * USUAL, observer.sample_time) / USUAL
+        dt = self._start.observer.sample_time
+        allowed = scale * USUAL <= limited(scale * USUAL, dt) * (1.0 + DIFFERENT)
         needed = self._best().swing > self._enough
         if needed and allowed and not known and self._has_time(LONGEST):
             self._try(self._recommended(scale, lag))
@@ -228,8 +220,9 @@ class Tuner:
             swing = self._measured(best, CONFIRMING, inf).swing
             confirmed.append(best._replace(swing=max(best.swing, swing)))
             self._trials[self._trials.index(best)] = confirmed[-1]
-        if self._trials[0].swing < inf and best.swing > BETTER * self._trials[0].swing:
-            best = self._trials[0]
+        first = self._trials[0]
+        if first.swing < inf and best.swing > BETTER * first.swing:
+            best = best if best.swing <= self._enough < first.swing else first
         if best.swing == inf:
             raise self._left_guard("every trial")
         self._rig.apply(best.compensation)
