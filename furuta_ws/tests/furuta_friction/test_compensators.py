@@ -168,9 +168,9 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
         assert memory["adaptive"].item() == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 16 * 0.232)])
+@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 6 * 0.232)])
 def test_the_rest_is_compensated_beside_the_model(observed: float, expected: float) -> None:
-    """At rest F̂ is what is observed, limited to sixteen levels."""
+    """At rest F̂ is what is observed, limited to six levels."""
     compensator, memory, estimate = compensators()["recommended"], empty(), 0.0
     for _ in range(5000):
         # The drive has been given F̂ alone, so no motion is predicted.

@@ -149,7 +149,7 @@ def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observati
     else:
         memory.started, memory.speed = True, v
         memory.sliding = memory.integral = memory.rest = 0.0
-        vibration.start(memory.vibration, p.first_part)
+        memory.vibration.part = p.first_part
     memory.sliding += p.share * (p.inertia * (v - memory.speed) - memory.sliding)
     gained = p.bandwidth * memory.sliding
     part = part_without_vibration(memory.vibration, gained, p.vibration)

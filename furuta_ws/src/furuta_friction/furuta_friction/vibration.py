@@ -3,8 +3,7 @@
 What the signal does slowly is removed by a high-pass filter. A swing is a change from beyond the
 limit on one side to beyond it on the other. Friction that changes its sign is a single swing; a
 vibration is many in a row. Each :data:`SUSTAINED` of them divide the part of the cause that may act
-by :data:`REDUCTION`; it recovers slowly, but for a long time not to where the vibration began. This
-takes five multiplications a sample.
+by :data:`REDUCTION`; it recovers slowly. This takes four multiplications a sample.
 """
 
 from dataclasses import dataclass
@@ -19,9 +18,6 @@ LOWEST_FREQUENCY = 15.0
 SUSTAINED = 4
 REDUCTION = 4.0
 RECOVERY_TIME = 2.0  # [s], in which a reduced part grows by a factor of e
-# Part up to which it recovers, relative to that where the vibration began; the time in which that
-# is forgotten by a factor of e [s].
-STABLE, MEMORY_TIME = 2 / 3, 100.0
 SMALLEST_PART = 1 / 16
 
 
@@ -35,7 +31,6 @@ class VibrationMemory:
         swings: Swings in a row; once sustained, SUSTAINED and those since the last reduction.
         since: Samples since the last one.
         part: Part of the cause that may act, 1 without vibration.
-        most: Part up to which it recovers.
     """
 
     slow: float = 0.0
@@ -43,21 +38,18 @@ class VibrationMemory:
     swings: int = 0
     since: int = 0
     part: float = 1.0
-    most: float = 1.0
 
 
 class Vibration(NamedTuple):
     """The sampled detector: limit in the signal's unit, share of the filter, longest swing.
 
-    The longest swing is in samples; ``growth`` is that of the part in a sample, ``forgetting`` that
-    of the part up to which it recovers.
+    The longest swing is in samples; ``growth`` is that of the part in a sample.
     """
 
     limit: float
     share: float
     longest: int
     growth: float
-    forgetting: float
 
 
 def design(limit: float, dt: float) -> Vibration:
@@ -67,7 +59,6 @@ def design(limit: float, dt: float) -> Vibration:
         share=-expm1(-2.0 * pi * LOWEST_FREQUENCY * dt),
         longest=ceil(0.5 / LOWEST_FREQUENCY / dt),
         growth=1.0 + dt / RECOVERY_TIME,
-        forgetting=1.0 + dt / MEMORY_TIME,
     )
 
 
@@ -84,18 +75,9 @@ def part_without_vibration(memory: VibrationMemory, value: float, p: Vibration) 
     swings = in_a_row + 1 if swung else in_a_row
     memory.swings = SUSTAINED if swings == 2 * SUSTAINED else swings
     reduced = swung & (memory.swings == SUSTAINED)
-    begins = reduced & (swings == SUSTAINED)
-    most = min(STABLE * memory.part, memory.most) if begins else memory.most * p.forgetting
-    memory.most = min(max(most, SMALLEST_PART), 1.0)
     part = memory.part / REDUCTION if reduced else memory.part * p.growth
-    memory.part = min(max(part, SMALLEST_PART), memory.most)
+    memory.part = min(max(part, SMALLEST_PART), 1.0)
     return memory.part
-
-
-@inlined
-def start(memory: VibrationMemory, part: float) -> None:
-    """Begin with a part; no vibration is known."""
-    memory.part, memory.most = part, 1.0
 
 
 @inlined

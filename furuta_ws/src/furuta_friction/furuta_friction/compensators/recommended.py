@@ -40,8 +40,9 @@ from furuta_model.parameters import About
 from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
 
 # Largest level, and largest F̂ without viscous friction, relative to the highest level of the
-# friction parameters. The rest also holds against a push, which is much larger than friction.
-LARGEST_LEVEL, LARGEST_ESTIMATE = 4.0, 16.0
+# friction parameters. The rest also holds against a push; more would let a pendulum fall behind a
+# late drive that is not known.
+LARGEST_LEVEL, LARGEST_ESTIMATE = 4.0, 6.0
 SMALLEST_LEVEL = 1e-4
 # Rate at which the level falls, relative to that at which it rises.
 FALL = 0.25
