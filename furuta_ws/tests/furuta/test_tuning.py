@@ -157,7 +157,7 @@ def test_an_elastic_arm_does_not_fall() -> None:
         true = loop_with(f"coupling.frequency={frequency}", *level(friction), RECOMMENDED)
         result = tune_simulated(true, TuningPlan(), silent)
         assert all(trial.swing < 1.0 for trial in result.trials)
-        assert swing(true, result) < 1.1 * ENCODER_COUNT
+        assert swing(true, result) < 1.5 * ENCODER_COUNT
 
 
 @pytest.mark.parametrize("seconds", [LEAST_SECONDS, 80.0, 120.0])
