@@ -248,7 +248,9 @@ def group_of(prefixes: tuple[str, ...], knobs: tuple[Knob, ...]) -> Group:
     for name, given in all_numbers[0].items():
         rows = np.array([np.ravel(each[name]) for each in all_numbers], dtype=float)
         same = np.tile(np.ravel(given), (len(rows), 1))
-        if name.startswith(prefixes) and not np.array_equal(rows, same, equal_nan=True):
+        # The page multiplies the strength, which no combination changes.
+        varies = name.endswith("_strength") or not np.array_equal(rows, same, equal_nan=True)
+        if name.startswith(prefixes) and varies:
             numbers[name] = rows
     return Group(knobs, designs, numbers)
 

@@ -159,10 +159,10 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
     joint = Joint(p.friction, p.observer_gain, p.sample_time)
     level = float(highest_level(p.friction))
     bandwidth = limited(p.bandwidth, p.sample_time)
-    if kind == RECOMMENDED:
-        body = recommended.assumed(body, bandwidth)
+    late_body = recommended.assumed(body, bandwidth)
+    observed_body = late_body if kind == RECOMMENDED else body
     observed = design_observation(
-        body, bandwidth, LARGEST_LEVEL * level, level, acts=kind == RECOMMENDED
+        observed_body, bandwidth, LARGEST_LEVEL * level, level, acts=kind == RECOMMENDED
     )
     return CompensationDesign(
         kind=kind,
@@ -172,7 +172,7 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
         joint=joint,
         observation=observed,
         adaptive=adaptive.design(joint, p.adaptive),
-        recommended=recommended.design(joint, body, bandwidth, p.recommended),
+        recommended=recommended.design(joint, late_body, bandwidth, p.recommended),
     )
 
 
