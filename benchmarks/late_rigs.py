@@ -49,6 +49,7 @@ from two_masses import (
     COUNTS,
     LAWS,
     THETA,
+    VOLTAGE,
     Belt,
     DryFriction,
     TwoMasses,
@@ -80,7 +81,6 @@ SETTINGS = ("none", "right", "wrong", "untold", "tuned")
 SECONDS, SETTLED, DT = 40.0, 20.0, 1e-3
 RELEASE = 0.05
 COUNT = 2.0 * pi / COUNTS
-VOLTAGE = 10.0  # of the drive
 BODY_ERROR, FRICTION_ERROR, FILE_ERROR, ASYMMETRY = 0.1, 0.3, 0.5, 0.2
 LARGEST_LEVEL, LARGEST_DELAY, LARGEST_LAG = 3.0, 0.015, 0.020
 FREQUENCIES, DAMPING, LARGEST_GAP = (20.0, 150.0), 0.03, 0.005
