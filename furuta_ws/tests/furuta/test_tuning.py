@@ -142,6 +142,13 @@ def test_what_a_late_drive_needs_is_found() -> None:
     assert swing(true, result) < 1.1 * ENCODER_COUNT
 
 
+def test_a_slow_sample_time_is_tuned() -> None:
+    """Its samples allow less than the usual bandwidth."""
+    result = tune_simulated(loop_with("sample_time=0.005", *level(1.0)), TuningPlan(), silent)
+    assert result.after.name == "recommended"
+    assert result.after.swing < ENCODER_COUNT
+
+
 def test_more_friction_than_is_known_is_tuned() -> None:
     """Three times, behind a late drive that is not known: more than a count before."""
     true = loop_with("plant.drive.delay=10", "plant.drive.lag=0.015", *level(3.0), RECOMMENDED)

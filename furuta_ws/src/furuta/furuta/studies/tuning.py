@@ -188,17 +188,21 @@ class Tuner:
             self._try_new(self._best(RECOMMENDED).scale, lag)
 
     def _try_new(self, scale: float, lag: float) -> None:
-        """Try a setting, unless that is not needed, not allowed, known, or too late."""
+        """Try a setting, unless that is not needed, known, or too late."""
+        bandwidth = self._acting(scale)
         known = any(
-            abs(trial.scale / scale - 1.0) < DIFFERENT and abs(trial.lag - lag) <= DIFFERENT * lag
+            abs(self._acting(trial.scale) / bandwidth - 1.0) < DIFFERENT
+            and abs(trial.lag - lag) <= DIFFERENT * lag
             for trial in self._trials
             if trial.name == RECOMMENDED
         )
-        dt = self._start.observer.sample_time
-        allowed = scale * USUAL <= limited(scale * USUAL, dt) * (1.0 + DIFFERENT)
         needed = self._best().swing > self._enough
-        if needed and allowed and not known and self._has_time(LONGEST):
+        if needed and not known and self._has_time(LONGEST):
             self._try(self._recommended(scale, lag))
+
+    def _acting(self, scale: float) -> float:
+        """The bandwidth [1/s] of a scale that acts with this sample time."""
+        return limited(scale * USUAL, self._start.observer.sample_time)
 
     def _has_time(self, seconds: float = 0.0) -> bool:
         """Whether ``seconds`` are left before the last measurement."""
