@@ -44,7 +44,6 @@ KNOWN = Rig(
     limits=SafetyLimits(voltage=12.0, pendulum_angle=6.28, arm_angle=1e6, arm_speed=100.0),
 )
 SECONDS, BALANCED_SECONDS = 12.0, 20.0
-CHOICES = (*COMPENSATIONS, "super_twisting")
 # Excitation: amplitude relative to the gravity torque of the pendulum, and period [s].
 AMPLITUDE, PERIOD = 8.0, 4.0
 
@@ -92,12 +91,12 @@ def balanced(truth: Rig, identified: Rig) -> dict[str, Any]:
     """The arm's peak to peak [rad] for every compensation, NaN where the pendulum fell."""
     settings = rig_settings(identified)
     settings["plant"] = rig_settings(truth)["plant"]
-    candidates = parse_candidates(CHOICES, settings)
+    candidates = parse_candidates(COMPENSATIONS, settings)
     loops = [loop(candidate.applied_to(settings)) for candidate in candidates]
     outcomes = batch(loops, BALANCED_SECONDS)
     return {
         name: float("nan") if outcome.fell else outcome.phi_peak_to_peak_rad
-        for name, outcome in zip(CHOICES, outcomes, strict=True)
+        for name, outcome in zip(COMPENSATIONS, outcomes, strict=True)
     }
 
 

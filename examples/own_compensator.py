@@ -33,4 +33,4 @@ if __name__ == "__main__":
 
 # prints
 # none: 0.511 rad
-# learning: 0.097 rad
+# learning: 0.089 rad

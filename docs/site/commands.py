@@ -37,7 +37,7 @@ NOT_RUN = {
     r"^make (test|bench|soak|docs)|pytest|colcon test": "tests, which run by themselves",
     r"^(make course|jupyter lab)$": "opens JupyterLab; make course CHECK=1 runs the notebooks",
     r"pictures\.py": "changes the pages' pictures, for some minutes",
-    r"standard_errors\.py": "takes more than an hour",
+    r"(standard_errors|late_rigs)\.py": "takes minutes to hours",
     r"\b(ros2|colcon|rosdep)\b": "needs ROS 2 installed",
     r"/dev/tty|--port P\b": "needs a rig",
     r"\b(log|step|sine|swing)\.csv": "needs a recording of another rig",

@@ -127,7 +127,7 @@ CONTROL_KNOBS = (
     Knob(
         "compensation",
         "Compensation",
-        "how F̂ [V] is computed; recommended: LuGre observer with super-twisting",
+        "how F̂ [V] is computed; recommended: LuGre friction of a learned level, and the rest",
         {name: {"friction_observer.compensation": name} for name in COMPENSATIONS},
         "none",
         "friction_observer.compensation",
@@ -168,7 +168,7 @@ DRIVE_KNOBS = (
 STRENGTH_KNOB = Knob(
     "strength",
     "Strength ×",
-    "of the whole compensation: 0 for none, 1 as designed",
+    "of the friction estimate: 0 for none, 1 for all of it",
     times(STRENGTHS, controller__strength=1.0),
     "1",
     STRENGTH,
@@ -248,7 +248,9 @@ def group_of(prefixes: tuple[str, ...], knobs: tuple[Knob, ...]) -> Group:
     for name, given in all_numbers[0].items():
         rows = np.array([np.ravel(each[name]) for each in all_numbers], dtype=float)
         same = np.tile(np.ravel(given), (len(rows), 1))
-        if name.startswith(prefixes) and not np.array_equal(rows, same, equal_nan=True):
+        # The page multiplies the strength, which no combination changes.
+        varies = name.endswith("_strength") or not np.array_equal(rows, same, equal_nan=True)
+        if name.startswith(prefixes) and varies:
             numbers[name] = rows
     return Group(knobs, designs, numbers)
 

@@ -53,19 +53,19 @@ def cycle_rows() -> Iterator[list[str]]:
 
 
 def truth_rows(page: str) -> Iterator[list[str]]:
-    """Residual of the compensations that the page names on each truth, in mrad; best strength."""
+    """Residual of the compensations that the page names on each truth, in mrad; best bandwidth."""
     command = [str(ROOT / "furuta"), "compare", "--truths", "--json"]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     report = json.loads(done.stdout)
-    best = {row["rig"]: row for row in report["best_strengths"]}
+    best = {row["rig"]: row for row in report["best_bandwidths"]}
     residuals: dict[str, dict[str, Any]] = {}
     for row in report["rows"]:
         residuals.setdefault(row["truth"], {})[row["compensation"]] = row["phi_peak_to_peak_rad"]
-    (names,) = re.findall(r"^\| truth \| (.*) \| best strength \| with it \|$", page, re.MULTILINE)
+    (names,) = re.findall(r"^\| truth \| (.*) \| best bandwidth \| with it \|$", page, re.MULTILINE)
     for truth, values in residuals.items():
         values["with it"] = best[truth]["residual_at_best_rad"]
         *others, last = (milliradians(values[name]) for name in (*names.split(" | "), "with it"))
-        yield [truth, *others, number(best[truth]["best_strength"]), last]
+        yield [truth, *others, number(best[truth]["best_bandwidth"]), last]
 
 
 def speed_rows(page: str) -> Iterator[list[str]]:

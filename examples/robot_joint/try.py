@@ -18,7 +18,7 @@ from furuta_bringup.graph.processes import executable
 
 HERE = Path(__file__).parent
 PID = (60.0, 150.0, 5.0)
-COMPENSATIONS = "none", "coulomb", "disturbance_observer", "recommended"
+COMPENSATIONS = "none", "coulomb", "stiction", "recommended"
 
 
 @contextmanager
@@ -43,8 +43,7 @@ def observer(file: Path, compensation: str) -> list[object]:
     """The command of the elbow's friction observer."""
     names = ["__ns:=/elbow_joint", "joint_states:=/joint_states", "reference:=/reference"]
     ros = [part for name in names for part in ("-r", name)] + ["--params-file", file]
-    if compensation != "recommended":
-        ros += ["-p", f"compensation:={compensation}", "-p", "axis.super_twisting:=0.0"]
+    ros += ["-p", f"compensation:={compensation}"]
     return [executable("furuta_friction", "friction_observer"), "--ros-args", *ros]
 
 

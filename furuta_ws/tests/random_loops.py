@@ -7,6 +7,7 @@ from furuta.axis.axis import Axis, Pid
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
 from furuta_model.friction.parameters import Friction
+from furuta_model.late_drive import LateDrive
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Actuator, Sensors
 from furuta_sim.parameters import InitialState, PlantFriction, PlantParameters
@@ -40,13 +41,14 @@ def random_loop(
         initial=start,
         seed=int(r.integers(2**40)),
     )
+    drive = LateDrive(int(r.choice([0, 7])), float(r.choice([0.0, 0.01])))
     control = controller(
+        drive=drive,
         integral_time=float(r.choice([0.0, 5.0])),
-        super_twisting=float(r.choice([0.0, 2.0])),
         strength=float(r.choice([1.0, 0.3])),
     )
-    observer = ObserverParameters(compensation=compensation)
-    return Loop(plant, EstimatorParameters(method, sensors=sensors), observer, control)
+    estimator = EstimatorParameters(method, sensors=sensors, drive=drive)
+    return Loop(plant, estimator, ObserverParameters(compensation, drive=drive), control)
 
 
 # Ranges of the logarithms to base 10: inertia [kg m²], natural frequency [rad/s], Coulomb level

@@ -171,7 +171,7 @@ def test_poles_and_process_noise_of_the_qube() -> None:
     "settings",
     [
         {"compensation": "lugre", "plant.drive.delay": 3, "plant.drive.lag": 0.01},
-        {"super_twisting": 2.0, "coupling.frequency": 40.0, "friction.law": "maxwell_slip"},
+        {"compensation": "recommended", "drive.lag": 0.01, "friction.law": "maxwell_slip"},
         {"estimator.method": "lowpass", "sample_time": 0.002},
         {"compensation": lambda memory, x, p: 0.1 * x[1]},
     ],

@@ -120,8 +120,8 @@ def test_rows_are_those_of_single_runs() -> None:
 @pytest.mark.parametrize("names", [["coulomb"], ["coulomb", "none"]])
 def test_reference_is_without_any_compensation(names: list[str]) -> None:
     """It makes no row unless it is a candidate, and has none of what the settings add."""
-    settings = load_settings([], ["super_twisting=10.0"])
-    texts = ["off=compensation=none,super_twisting=0.0", "coulomb=strength=0.0"]
+    settings = load_settings([], ["compensation=recommended"])
+    texts = ["off=compensation=none", "coulomb=strength=0.0"]
     comparison = Comparison(settings, RIGS, parse_candidates(names, settings), 5.0)
     assert [row["candidate"] for row in comparison.rows()] == 2 * names
     table = comparison.table()

@@ -5,9 +5,9 @@ from math import inf, nan
 import numpy as np
 import pytest
 
-from furuta.studies.comparison.candidates import STRENGTHS
+from furuta.studies.comparison.candidates import BANDWIDTHS
 from furuta.studies.comparison.comparison import Table
-from furuta.studies.comparison.scores import best_strengths, rank, recommended
+from furuta.studies.comparison.scores import best_bandwidths, rank, recommended
 
 
 def table(
@@ -70,10 +70,10 @@ def test_worse_than_none() -> None:
     assert {score.sensors_alone_rad for score in scores} == {0.002}
 
 
-def test_best_strength_of_each_rig() -> None:
+def test_best_bandwidth_of_each_rig() -> None:
     """The one with the smallest residual, and none where the pendulum always falls."""
-    sizes = {f"{k:g}": [0.5 - 0.1 * k, 0.01 + 0.1 * k, inf] for k in STRENGTHS}
-    found = best_strengths(table(sizes))
-    assert [row["best_strength"] for row in found] == pytest.approx([2.0, 0.0, nan], nan_ok=True)
-    assert found[0] == {"rig": "0", "best_strength": 2.0, "residual_at_best_rad": 0.3}
+    sizes = {f"{k:g}": [0.5 - 0.001 * k, 0.01 + 0.1 * k, inf] for k in BANDWIDTHS}
+    found = best_bandwidths(table(sizes))
+    assert [row["best_bandwidth"] for row in found] == pytest.approx([100.0, 0.0, nan], nan_ok=True)
+    assert found[0] == {"rig": "0", "best_bandwidth": 100.0, "residual_at_best_rad": 0.4}
     assert found[2]["residual_at_best_rad"] == inf

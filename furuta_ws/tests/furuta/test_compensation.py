@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from part_parameters import largest_estimate
 
-from furuta import tune
 from furuta.lanes.batch import batch
+from furuta.studies.phases import tuned_sigma1
 from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import (
     COMPENSATIONS,
@@ -28,8 +28,8 @@ def test_the_papers_order() -> None:
 
     Compared for each seed where the ranges are separate, otherwise by the means.
     """
-    loop = Loop(PlantParameters(seed=TUNING_SEED))
-    tuned = tune(loop, compensations=["lugre"], enough=0.25).after.compensation.observer
+    sigma1 = tuned_sigma1(Loop(PlantParameters(seed=TUNING_SEED)))
+    tuned = ObserverParameters("lugre", friction=Friction(sigma1=sigma1))
     sizes = {}
     for name, observer in (
         *((kind, ObserverParameters(kind)) for kind in ("none", "coulomb", "lugre")),

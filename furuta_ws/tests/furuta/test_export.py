@@ -39,14 +39,14 @@ SWING_UP = {"rig": "paper_full_turn", "mode": "swing_up", "method": "whole_circl
 USUAL: dict[str, dict[str, Any]] = {
     "lugre": {"compensation": "lugre"},
     "lowpass": {"method": "lowpass", "compensation": "coulomb"},
-    "qube": {"rig": "qube_servo_2", "compensation": "combined"},
+    "qube": {"rig": "qube_servo_2", "compensation": "recommended"},
     "swing_up": {**SWING_UP, "swing_up.recover": True, "compensation": "adaptive"},
 }
 FURTHER: dict[str, dict[str, Any]] = {
     **{name: {"compensation": name} for name in ("none", "coulomb", "stiction", "adaptive")},
-    **{name: {"compensation": name} for name in ("disturbance_observer", "combined")},
+    "late": {"compensation": "recommended", "drive.delay": 10, "drive.lag": 0.015},
     "whole_circle": {"method": "whole_circle", "compensation": "lugre"},
-    "super_twisting": {"super_twisting": 20.0, "integral_time": 1.0, "strength": 0.7},
+    "integral": {"compensation": "recommended", "integral_time": 1.0, "strength": 0.7},
     "ideal": {"sensors.ideal": True, "compensation": "lugre"},
     "ideal_lowpass": {"sensors.ideal": True, "method": "lowpass", "compensation": "coulomb"},
     "swing_up_once": {**SWING_UP, "compensation": "lugre"},

@@ -124,7 +124,6 @@ def test_what_is_no_number_is_a_parameter_error(value: Any) -> None:
         (lambda: furuta.measure(settled=0.0), "settled must be above 0 and at most 1, given 0"),
         (lambda: furuta.ideal_loop(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),
         (lambda: furuta.tune(seconds=1.0), "needs at least 56 s of pendulum time, given 1"),
-        (lambda: furuta.tune(compensations=["adaptive"]), "lugre, given 'adaptive'"),
     ],
 )
 def test_bad_input_is_a_parameter_error(call: Any, reason: str) -> None:

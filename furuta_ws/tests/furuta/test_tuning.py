@@ -1,14 +1,13 @@
-"""Tuning sees the friction, finds a smaller swing, is safe, keeps its time, and follows the rig."""
+"""Tuning finds a smaller swing, is safe, keeps its time, and follows the rig."""
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 import pytest
 
 from furuta.outcomes import outcome
 from furuta.settings.settings import load_settings, loop
-from furuta.studies.trials import Compensation, TuningResult, observed_friction
+from furuta.studies.trials import Compensation, TuningResult
 from furuta.studies.tuning import (
     GuardError,
     ProgressCallback,
@@ -17,13 +16,13 @@ from furuta.studies.tuning import (
     tune_simulated,
 )
 from furuta.studies.tuning_plan import LEAST_SECONDS, TuningPlan
-from furuta_model.friction.parameters import Friction
-from furuta_sim.simulation.closed_loop import Loop, simulate
+from furuta_sim.parameters import PlantParameters
+from furuta_sim.simulation.closed_loop import Loop
 
 ENCODER_COUNT = 2.0 * np.pi / 250
-TWISTING = "compensation=lugre", "super_twisting=10", "super_twisting_bandwidth=80"
 RECOMMENDED = "compensation=recommended"
-LATE = "drive.delay=10", "drive.lag=0.015"
+# A late drive of which the nodes do not know.
+LATE = "plant.drive.delay=10", "plant.drive.lag=0.03"
 NO_FRICTION = "plant.friction.alpha0=0", "plant.friction.alpha1=0"
 
 
@@ -48,8 +47,8 @@ def tuned(
     report: ProgressCallback = silent,
 ) -> TuningResult:
     """Tune a rig."""
-    start = Compensation(true.observer, true.controller)
-    return tune(rig, start, true.estimator, TuningPlan(), report, follow)
+    start = Compensation(true.estimator, true.observer, true.controller)
+    return tune(rig, start, TuningPlan(), report, follow)
 
 
 def swing(true: Loop, result: TuningResult) -> float:
@@ -58,37 +57,12 @@ def swing(true: Loop, result: TuningResult) -> float:
     return np.inf if run.fell else run.phi_peak_to_peak_rad
 
 
-@pytest.mark.parametrize(("alpha0", "asymmetry"), [(0.26, 0.12), (0.1, 0.0), (0.3, -0.2)])
-def test_the_friction_is_observed(alpha0: float, asymmetry: float) -> None:
-    """Level to 2 %, asymmetry to 0.02; α₁ changes with α₀."""
-    given = f"plant.friction.alpha0={alpha0}", f"plant.friction.asymmetry={asymmetry}"
-    run = simulate(loop_with(*given, "friction.law=coulomb", "plant.seed=31"), 12.0)
-    found = observed_friction(run.estimate[4000:], Friction(alpha0=0.2, alpha1=0.05))
-    assert found.alpha0 == pytest.approx(alpha0, rel=0.02)
-    assert found.asymmetry == pytest.approx(asymmetry, abs=0.02)
-    assert found.alpha1 / found.alpha0 == pytest.approx(0.25)
-
-
-def test_no_friction_is_observed_where_none_shows() -> None:
-    """At rest, with one direction, without an observation, and where it drives the arm."""
-    estimates, known = np.zeros((12_000, 5)), Friction()
-    assert observed_friction(estimates, known) == known
-    estimates[:, 1], estimates[:, 4] = 1.0, 0.3
-    assert observed_friction(estimates, known) == known
-    estimates[::2, 1] = -1.0
-    for observed in (np.full(12_000, np.nan), -0.3 * estimates[:, 1]):
-        estimates[:, 4] = observed
-        assert observed_friction(estimates, known) == known
-    estimates[:, 4] = 0.3 * estimates[:, 1]
-    assert observed_friction(estimates, known).alpha0 == pytest.approx(0.3)
-
-
 class DangerousRig(SimulatedLoop):
-    """A rig that runs away with some strengths and records what is applied."""
+    """A rig that runs away with some settings and records what is applied."""
 
-    def __init__(self, true: Loop, dangerous: Callable[[float], bool], angle: int) -> None:
+    def __init__(self, true: Loop, dangerous: Callable[[Compensation], bool], angle: int) -> None:
         super().__init__(true)
-        self.applied = [Compensation(true.observer, true.controller)]
+        self.applied = [Compensation(true.estimator, true.observer, true.controller)]
         self._dangerous, self._angle = dangerous, angle
 
     def apply(self, compensation: Compensation) -> None:
@@ -99,15 +73,15 @@ class DangerousRig(SimulatedLoop):
     def watch(self, seconds: float) -> np.ndarray:
         """The rig's estimates, or those of an arm or pendulum that runs away."""
         estimates = super().watch(seconds)
-        if self._dangerous(self.applied[-1].controller.balance.strength):
+        if self._dangerous(self.applied[-1]):
             estimates[:, self._angle] = np.linspace(0.0, 5.0, len(estimates))
         return estimates
 
 
 def test_a_trial_outside_the_guard_is_left_at_once() -> None:
     """The best setting so far is applied, and the search goes on."""
-    true = loop_with(*TWISTING, *LATE, *level(0.3))
-    rig = DangerousRig(true, lambda strength: 0.2 < strength < 0.6, 0)
+    true = loop_with(*LATE, *level(3.0), RECOMMENDED)
+    rig = DangerousRig(true, lambda applied: 0.004 < applied.observer.drive.lag < 0.02, 0)
     result = tuned(rig, true)
     left = [trial for trial in result.trials if trial.swing == np.inf]
     assert left
@@ -115,28 +89,22 @@ def test_a_trial_outside_the_guard_is_left_at_once() -> None:
         assert rig.applied[rig.applied.index(trial.compensation) + 1] != trial.compensation
         assert result.trials.index(trial) < len(result.trials) - 1
     assert rig.applied[-1] == result.after.compensation
-    assert result.after.swing < 0.5 * result.before.swing
+    assert result.after.swing < 0.9 * result.before.swing
 
 
-@pytest.mark.parametrize(
-    ("dangerous", "angle", "reason"),
-    [
-        (lambda strength: True, 0, "every trial left the guard of 1 rad"),
-        (lambda strength: True, 2, "every trial left the guard of 1 rad"),
-    ],
-)
-def test_a_motion_outside_the_guard_is_not_tuned(dangerous: Any, angle: int, reason: str) -> None:
-    true = loop_with(*TWISTING)
-    rig = DangerousRig(true, dangerous, angle)
-    with pytest.raises(GuardError, match=reason):
+@pytest.mark.parametrize("angle", [0, 2])
+def test_a_motion_outside_the_guard_is_not_tuned(angle: int) -> None:
+    true = loop_with(RECOMMENDED)
+    rig = DangerousRig(true, lambda applied: True, angle)
+    with pytest.raises(GuardError, match="every trial left the guard of 1 rad"):
         tuned(rig, true)
     assert rig.applied[-1] == rig.applied[0]
 
 
 def test_initial_parameters_are_restored_after_a_fall() -> None:
     """A pendulum that has fallen does not come back with the best setting."""
-    true = loop_with(*TWISTING, *LATE, *level(0.3))
-    rig = DangerousRig(true, lambda strength: len(rig.applied) > 2, 2)
+    true = loop_with(*LATE, *level(3.0), RECOMMENDED)
+    rig = DangerousRig(true, lambda applied: len(rig.applied) > 2, 2)
     with pytest.raises(GuardError, match="the pendulum left the guard of 1 rad"):
         tuned(rig, true)
     assert rig.applied[-1] == rig.applied[0]
@@ -145,8 +113,8 @@ def test_initial_parameters_are_restored_after_a_fall() -> None:
 @pytest.mark.parametrize("end", [30.0, 90.0])
 def test_initial_parameters_are_restored_after_an_interruption(end: float) -> None:
     """Also while the swing is followed."""
-    true = loop_with(*LATE, *level(0.1))
-    rig = DangerousRig(true, lambda strength: False, 0)
+    true = loop_with(*LATE, *level(1.0))
+    rig = DangerousRig(true, lambda applied: False, 0)
 
     def interrupt(message: str, seconds: float) -> None:
         if seconds > end:
@@ -158,58 +126,69 @@ def test_initial_parameters_are_restored_after_an_interruption(end: float) -> No
 
 
 def test_no_gain_is_an_answer() -> None:
-    """Without friction nothing is better than none; on a late drive little is enough."""
-    as_it_was = tune_simulated(loop_with(*NO_FRICTION), TuningPlan(), silent)
-    assert not as_it_was.gain
-    assert as_it_was.parameters == {"friction_observer": {}, "controller": {}}
-    found = tune_simulated(loop_with(*TWISTING, *LATE, *NO_FRICTION), TuningPlan(), silent)
-    assert found.parameters["controller"]["strength"] < 0.2
-    assert found.after.swing < 0.2 * found.before.swing
+    """Without friction nothing is better than none, nor than the recommended compensation."""
+    for given in (), (RECOMMENDED,):
+        as_it_was = tune_simulated(loop_with(*NO_FRICTION, *given), TuningPlan(), silent)
+        assert not as_it_was.gain
+        assert not any(as_it_was.parameters.values())
 
 
-@pytest.mark.parametrize("start", [TWISTING, ()])
-def test_what_a_late_drive_needs_is_found(start: tuple[str, ...]) -> None:
-    """From 180 mrad with the recommended setting, and from 50 mrad with none, to half a count."""
-    true = loop_with(*start, *LATE, *level(0.1))
+def test_what_a_late_drive_needs_is_found() -> None:
+    """From the limit cycle of the uncompensated pendulum to about a count."""
+    true = loop_with(*LATE, *level(1.0))
     result = tune_simulated(true, TuningPlan(), silent)
     assert result.gain
-    assert result.before.swing > (0.15 if start else 0.04)
-    assert swing(true, result) < 0.5 * ENCODER_COUNT
+    assert result.before.swing > 0.4
+    assert swing(true, result) < 1.1 * ENCODER_COUNT
+
+
+def test_a_slow_sample_time_is_tuned() -> None:
+    """Its samples allow less than the usual bandwidth."""
+    result = tune_simulated(loop_with("sample_time=0.005", *level(1.0)), TuningPlan(), silent)
+    assert result.after.name == "recommended"
+    assert result.after.swing < ENCODER_COUNT
+
+
+def test_more_friction_than_is_known_is_tuned() -> None:
+    """Three times, behind a late drive that is not known: more than a count before."""
+    true = loop_with("plant.drive.delay=10", "plant.drive.lag=0.015", *level(3.0), RECOMMENDED)
+    result = tune_simulated(true, TuningPlan(), silent)
+    assert result.before.swing > 1.1 * ENCODER_COUNT
+    assert result.after.scale > 1.0
+    assert swing(true, result) < 1.1 * ENCODER_COUNT
 
 
 def test_an_elastic_arm_does_not_fall() -> None:
-    """With little or no compensation the pendulum would fall on this belt."""
-    true = loop_with("coupling.frequency=22", *level(1.0), RECOMMENDED)
-    result = tune_simulated(true, TuningPlan(), silent)
-    assert all(trial.swing < 1.0 for trial in result.trials)
-    assert swing(true, result) < 1.5 * ENCODER_COUNT
+    """Without compensation the pendulum falls on these belts."""
+    for frequency, friction in ((22, 1.0), (25, 3.0)):
+        true = loop_with(f"coupling.frequency={frequency}", *level(friction), RECOMMENDED)
+        result = tune_simulated(true, TuningPlan(), silent)
+        assert all(trial.swing < 1.0 for trial in result.trials)
+        assert swing(true, result) < 1.5 * ENCODER_COUNT
 
 
 @pytest.mark.parametrize("seconds", [LEAST_SECONDS, 80.0, 120.0])
 @pytest.mark.parametrize("friction", [0.0, 0.3, 1.0, 2.0])
 def test_time_is_kept(seconds: float, friction: float) -> None:
-    for given in (TWISTING, (), (*TWISTING, "drive.lag=0.03")):
+    for given in ((RECOMMENDED,), (), (RECOMMENDED, "bandwidth=200")):
         true = loop_with(*LATE, *level(friction), *given)
         result = tune_simulated(true, TuningPlan(seconds), silent)
         assert 16.0 <= result.seconds <= seconds
 
 
 class ChangingRig(SimulatedLoop):
-    """A rig whose friction is multiplied by factors at times [s]; it records the arm's swing."""
+    """A rig whose plant is replaced at times [s]; it records the arm's swing."""
 
-    def __init__(self, true: Loop, factors: dict[float, float]) -> None:
+    def __init__(self, true: Loop, plants: dict[float, PlantParameters]) -> None:
         super().__init__(true)
-        self._factors = factors
+        self._plants = plants
         self.angles: list[np.ndarray] = []
 
     def watch(self, seconds: float) -> np.ndarray:
         """The rig's estimates."""
-        plant = self._simulation.loop.plant
-        known = plant.friction.parameters
-        factor = self._factors.pop(round(0.001 * sum(map(len, self.angles)), 3), 1.0)
-        friction = plant.friction._replace(parameters=known._replace(alpha0=factor * known.alpha0))
-        changed = plant._replace(friction=friction)
-        self._simulation.loop = self._simulation.loop._replace(plant=changed)
+        now = round(0.001 * sum(map(len, self.angles)), 3)
+        loop = self._simulation.loop
+        self._simulation.loop = loop._replace(plant=self._plants.pop(now, loop.plant))
         estimates = super().watch(seconds)
         self.angles.append(estimates[:, 0])
         return estimates
@@ -221,26 +200,27 @@ class ChangingRig(SimulatedLoop):
 
 
 def test_the_swing_is_followed() -> None:
-    """Friction grows by ten on a late drive, later it falls again: the swing follows in 60 s."""
-    true = loop_with(*TWISTING, *LATE, *level(0.1))
+    """A drive that becomes late: the swing is half of what it would be."""
+    true = loop_with(*level(1.0), RECOMMENDED)
+    late = loop_with(*level(1.0), "plant.drive.delay=30").plant
     swings = []
-    for follow in (230.0, 0.0):
-        rig = ChangingRig(true, {140.0: 10.0, 260.0: 0.1})
-        for _ in range(round(10.0 * (350.0 - tuned(rig, true, follow).seconds))):
+    for follow in (180.0, 0.0):
+        rig = ChangingRig(true, {60.0: late})
+        for _ in range(round(10.0 * (230.0 - tuned(rig, true, follow).seconds))):
             rig.watch(0.1)
-        swings.append([rig.swing(start, start + 20.0) for start in (120.0, 200.0, 320.0)])
+        swings.append([rig.swing(start, start + 20.0) for start in (40.0, 205.0)])
     followed, left = swings
-    assert left[1] > 3.0 * left[0]
+    assert max(left[0], followed[0]) < ENCODER_COUNT
+    assert left[1] > 2.0 * ENCODER_COUNT
     assert followed[1] < 0.5 * left[1]
-    assert followed[2] < 1.5 * followed[0]
 
 
 def test_friction_that_appears_is_followed() -> None:
     """None was best before."""
-    true = loop_with(*LATE, *level(1e-4))
-    rig = ChangingRig(true, {60.0: 1e3})
+    true = loop_with(*level(1e-4))
+    rig = ChangingRig(true, {60.0: loop_with(*level(1.0)).plant})
     result = tuned(rig, true, 100.0)
     assert rig.swing(40.0, 60.0) < 0.2 * ENCODER_COUNT
     assert rig.swing(60.0, 70.0) > ENCODER_COUNT
     assert rig.swing(120.0, 130.0) < ENCODER_COUNT
-    assert 0.02 < result.after.scale < 0.5
+    assert result.after.name == "recommended"

@@ -14,10 +14,12 @@ from furuta_friction.compensation import (
     CompensationMemory,
     ObserverParameters,
     beyond_adaptation,
+    compensate,
     design_compensator,
     estimate_friction,
 )
 from furuta_friction.compensators.adaptive import AdaptiveParameters
+from furuta_friction.compensators.recommended import LARGEST_ESTIMATE
 from furuta_model.block import new_memory
 from furuta_model.friction.parameters import Friction
 
@@ -29,9 +31,9 @@ def empty() -> Any:
     return new_memory(CompensationMemory)[0]
 
 
-def signals(v: float, phi: float = 0.0, observed: float = nan) -> np.ndarray:
-    """An estimate (5,) with arm speed, arm angle and observed friction."""
-    return np.array([phi, v, 0.0, 0.0, observed])
+def signals(v: float, phi: float = 0.0, torque: float = nan) -> np.ndarray:
+    """An estimate (5,) with arm speed, arm angle and applied torque."""
+    return np.array([phi, v, 0.0, 0.0, torque])
 
 
 def compensators(**parameters: object) -> dict[str, CompensationDesign]:
@@ -57,15 +59,17 @@ def test_bounded_for_any_motion(kind: str) -> None:
     """No speed, noise, step, K or Γ drives ẑ or F̂ beyond the limits of the parameters."""
     rng = np.random.default_rng(14)
     for dt, gain, asymmetry in product((1e-5, 1e-3, 0.01, 0.1), (-10.0, 0.01, 1e3), (0.0, 0.4)):
-        lugre = Friction(viscous=0.1, asymmetry=asymmetry)
-        factor = 3.0 if kind in ("adaptive", "disturbance_observer", "combined") else 1.0
-        bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
+        # The recommended one has the viscous friction of a predicted speed, which is not bounded.
+        lugre = Friction(viscous=0.0 if kind == "recommended" else 0.1, asymmetry=asymmetry)
         observer = compensators(
             friction=lugre,
             observer_gain=gain,
             adaptive=AdaptiveParameters(abs(gain)),
             sample_time=dt,
         )[kind]
+        inverted = 2.0 * observer.recommended.inversion - 1.0
+        factor = {"adaptive": 3.0, "recommended": LARGEST_ESTIMATE * inverted}.get(kind, 1.0)
+        bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
         memory, speeds = empty(), rng.choice([-1, 0, 1], 500) * 10 ** rng.uniform(-6, 3, 500)
         unknown, (phi, friction) = rng.random(500) < 0.5, rng.normal(0, 10, (2, 500))
         for x in zip(speeds, phi, np.where(unknown, nan, friction), strict=True):
@@ -128,7 +132,7 @@ def test_stiction() -> None:
     compensator = compensators(friction=lugre)["stiction"]
 
     def estimate(v: float, observed: float) -> float:
-        return estimate_friction(empty(), signals(v, observed=observed), compensator)
+        return compensate(empty(), signals(v), observed, compensator)
 
     assert estimate(0.06, -5.0) == pytest.approx(0.2 * 1.1 + 0.5 * 0.06)
     assert estimate(0.04, 0.15) == 0.15
@@ -148,7 +152,7 @@ def test_adaptation_finds_the_levels_of_both_directions() -> None:
         memory, true_memory = empty(), empty()
         for v in 0.6 * np.sin(np.arange(0, 20, dt)):
             observed = estimate_friction(true_memory, signals(v), observer)
-            estimate_friction(memory, signals(v, observed=observed), compensator)
+            compensate(memory, signals(v), observed, compensator)
         learned = memory["adaptive"]
         assert level * (1 + learned["forward"]) == pytest.approx(0.3 * 1.25, rel=0.02)
         assert level * (1 + learned["backward"]) == pytest.approx(0.3 * 0.75, rel=0.02)
@@ -160,39 +164,38 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
     memory = empty()
     for v, observed in ((0.0, 1.0), (0.5, nan)):
         for _ in range(100):
-            estimate_friction(memory, signals(v, observed=observed), compensator)
+            compensate(memory, signals(v), observed, compensator)
         assert memory["adaptive"].item() == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("kind", ["disturbance_observer", "combined"])
-def test_observed_friction_is_compensated(kind: str) -> None:
-    """F̂ becomes the observed friction whatever α₀ says; the parameters limit it to three levels."""
-    compensator = compensators(friction=Friction(viscous=0.5))[kind]
-    for v, observed, expected in (
-        (0.3, 0.4, 0.4),
-        (0.3, -0.1, -0.1),
-        (0.0, 0.1, 0.1),
-        (0.3, 5.0, 3 * 0.232 + 0.15),
-        (0.3, nan, 0.0),
-    ):
+@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 6 * 0.232)])
+def test_the_rest_is_compensated_beside_the_model(observed: float, expected: float) -> None:
+    """At rest F̂ is what is observed, limited to six levels."""
+    compensator, memory, estimate = compensators()["recommended"], empty(), 0.0
+    for _ in range(5000):
+        # The drive has been given F̂ alone, so no motion is predicted.
+        estimate = compensate(memory, signals(0.0, torque=estimate), observed, compensator)
+    assert estimate == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_level_is_learned_while_the_arm_slides_one_way() -> None:
+    """It grows while friction is left, falls more slowly, and holds at rest and while vibrating."""
+    compensator = compensators(friction=Friction(alpha1=0.0))["recommended"]
+
+    def level(observed: float, speeds: np.ndarray) -> float:
         memory = empty()
-        for _ in range(5000):
-            estimate = estimate_friction(memory, signals(v, observed=observed), compensator)
-        assert estimate == pytest.approx(expected, rel=1e-6)
+        for v in speeds:
+            compensate(memory, signals(v, torque=0.0), np.sign(v) * observed, compensator)
+        return float(memory["recommended"]["level"])
 
-
-def test_combined_learns_the_levels() -> None:
-    """After some slides the first estimate of a reversal is the level of the new direction."""
-    compensator = compensators()["combined"]
-    memory = empty()
-    true = Friction(alpha0=0.3, alpha1=0.0, asymmetry=0.2)
-    for v in (0.5, -0.5, 0.5):
-        level = true.alpha0 * (1.2 if v > 0 else -0.8)
-        first = estimate_friction(memory, signals(v, observed=level), compensator)
-        for _ in range(2000):
-            estimate_friction(memory, signals(v, observed=level), compensator)
-    assert first == pytest.approx(0.36, rel=0.02)
-    assert memory["combined"].item()[:2] == pytest.approx((0.36, 0.24), rel=0.01)
+    slide, rest = np.full(500, 0.5), np.zeros(500)
+    vibration = 0.5 * np.sign(np.sin(2 * np.pi * 25.0 * DT * (np.arange(500) + 0.5)))
+    # After 4/k = 80 ms the rate is 8/s × 0.05/0.21.
+    grown = 8.0 * 0.05 / 0.21 * 0.42
+    assert level(0.05, slide) == pytest.approx(1.0 + grown, rel=0.02)
+    assert level(0.05, -slide) == pytest.approx(1.0 + grown, rel=0.02)
+    assert level(-0.05, slide) == pytest.approx(1.0 - grown / 4.0, rel=0.02)
+    assert level(0.05, rest) == level(0.05, vibration) == 1.0
 
 
 @pytest.mark.parametrize(("observed", "beyond"), [(0.02, True), (0.25, False)])
@@ -201,6 +204,6 @@ def test_adaptation_outside_its_model_is_known(observed: float, beyond: bool) ->
     parameters = ObserverParameters("adaptive")
     compensator, memory = design_compensator(parameters), new_memory(CompensationMemory)
     for _ in range(2000):
-        estimate_friction(memory[0], signals(0.5, observed=observed), compensator)
+        compensate(memory[0], signals(0.5), observed, compensator)
     assert beyond_adaptation(memory, parameters) is beyond
     assert not beyond_adaptation(memory, parameters._replace(compensation="lugre"))

@@ -80,10 +80,11 @@ def test_in_lockstep_every_state_waits_for_its_estimate(loop: Loop) -> None:
 
 
 def test_nothing_is_integrated_until_the_rig_is_armed(loop: Loop) -> None:
-    """Super-twisting does not take the missing torque for friction; once armed it corrects."""
-    ParameterClient(loop.bench.probe, loop.bench.executor).set("controller", super_twisting=10.0)
+    """Integral action does not move while the torque does not act; once armed it does."""
+    client = ParameterClient(loop.bench.probe, loop.bench.executor)
+    client.set("controller", integral_time=0.05)
     rig = loop.bench.probe.create_publisher(ARMED.message, ARMED.name, LATCHED)
-    for armed, correction in ((False, 0.02), (True, 1.0)):
+    for armed, correction in ((False, 0.02), (True, 0.5)):
         rig.publish(Bool(data=armed))
         loop.bench.spin(lambda armed=armed: loop.node._is_applied == armed)
         for milliseconds in range(300):

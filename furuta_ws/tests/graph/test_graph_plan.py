@@ -65,7 +65,6 @@ def test_what_is_chosen_for_the_bridge_holds(assignment: str) -> None:
     ("options", "assignments", "reason"),
     [
         (GraphOptions(), ["plant.sample_time=0.002"], "sample_time must be the same"),
-        (GraphOptions(), ["compensation=adaptive", "method=lowpass"], "estimator.method=kalman"),
         (GraphOptions(hardware=True), ["sample_time=0.002"], "the rig's sample_time is 0.001 s"),
         (GraphOptions(rig="no_such_rig"), [], "no rig no_such_rig; rigs are "),
         (GraphOptions(namespace="a b"), [], "a namespace has letters"),

@@ -114,7 +114,7 @@ def test_a_missing_effort_is_named(bench: Bench, node: Any, capfd: Any) -> None:
     """What needs the observed friction says so while there is none."""
     assert all(
         each.successful
-        for each in node.set_parameters([Parameter("compensation", value="combined")])
+        for each in node.set_parameters([Parameter("compensation", value="recommended")])
     )
     publisher = bench.publisher(JOINT_STATES)
     bench.wait_for_publisher(FRICTION_ESTIMATE)

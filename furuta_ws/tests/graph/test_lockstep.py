@@ -97,10 +97,11 @@ def require_graph_is_the_offline_loop(
         ["compensation=lugre"],
         ["compensation=coulomb", "sensors.ideal=true"],
         ["compensation=adaptive", "plant.friction.law=maxwell_slip", *ALL_PARTS],
-        ["compensation=combined", "super_twisting=1.0", "integral_time=5.0", "phi=2.0"],
+        ["compensation=recommended", "integral_time=5.0", "phi=2.0"],
+        ["compensation=recommended", "drive.delay=7", "drive.lag=0.012", "bandwidth=70"],
         ["compensation=own_parts:counting", "mode=own_parts:feedback", *OWN],
     ],
-    ids=lambda chosen: chosen[0],
+    ids=lambda chosen: " ".join(chosen[:2]),
 )
 def test_graph_is_the_offline_loop(
     ros: None, no_parts: None, tmp_path: Path, chosen: list[str]
@@ -128,8 +129,6 @@ def test_graph_with_a_random_loop_is_the_offline_loop(ros: None, tmp_path: Path,
     r = np.random.default_rng(seed)
     law, compensation, method = (str(r.choice(each)) for each in (LAWS, COMPENSATIONS, METHODS))
     chosen = random_loop(r, law, compensation, method, bool(r.integers(2)))
-    if chosen.observer.chosen.needs_observed_friction:
-        chosen = chosen._replace(estimator=chosen.estimator._replace(method="kalman"))
     settings = default_settings() | {
         "plant": values(chosen.plant),
         "estimator": values(chosen.estimator),

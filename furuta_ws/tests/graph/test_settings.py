@@ -114,7 +114,10 @@ def test_unknown_names_are_named(file: Any) -> None:
         ("alpha0=0.3", {"plant": {"friction.alpha0": 0.3}, "friction_observer": {"alpha0": 0.3}}),
         (
             "alpha=0.03",
-            {node: {"model.alpha": 0.03} for node in ("plant", "estimator", "controller")},
+            {
+                node: {"model.alpha": 0.03}
+                for node in ("plant", "estimator", "friction_observer", "controller")
+            },
         ),
         ("mode=off", {"controller": {"mode": "off"}}),
         ("observer_gain=1e-3", {"friction_observer": {"observer_gain": 0.001}}),

@@ -84,14 +84,14 @@ def test_a_section_for_several_nodes(tmp_path: Path, capfd: Any) -> None:
 
     In the node's own section it is an error.
     """
-    content = "{model.alpha: 0.03, model: {beta: 0.02}, alpha0: 0.3, use_sim_time: false}"
+    content = "{kalman.alpha: 0.03, kalman: {beta: 0.02}, alpha0: 0.3, use_sim_time: false}"
     file = write(tmp_path, f"/**: {{ros__parameters: {content}}}")
     assert start(FrictionObserverNode, file).observer.friction.alpha0 == 0.3
     (warning,) = [line for line in capfd.readouterr().err.splitlines() if "WARN" in line]
-    assert "friction_observer has no parameter model.alpha, model.beta; ignored" in warning
+    assert "friction_observer has no parameter kalman.alpha, kalman.beta; ignored" in warning
     assert f"the section /** of {file}" in warning
     file = write(tmp_path, f"friction_observer: {{ros__parameters: {content}}}")
-    with pytest.raises(ParameterError, match=r"friction_observer has no parameter model\.alpha"):
+    with pytest.raises(ParameterError, match=r"friction_observer has no parameter kalman\.alpha"):
         start(FrictionObserverNode, file)
 
 

@@ -29,8 +29,8 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     assert nominal in result["rows"]
     with out.open() as file:
         rows = list(csv.DictReader(file))
-    (best,) = [row for row in result["best_strengths"] if row["rig"] == "delay 10 lag 15, x 0"]
-    assert best["best_strength"] == 0.0
+    (best,) = [row for row in result["best_bandwidths"] if row["rig"] == "delay 10 lag 15, x 1"]
+    assert best["best_bandwidth"] > 0.0
     assert best["residual_at_best_rad"] < result["encoder_count_rad"]
     worst = {score["candidate"]: score["residual_worst_rad"] for score in result["ranking"]}
     for name in ("none", "mine"):

@@ -59,8 +59,8 @@ class Controller(ControllerNode):
         self._restart_pending = self._is_answered = False
         self.missed_estimates = self._active_mode = 0
 
-    def _step(self, memory: Any, x: Any, friction: float, *others: Any) -> tuple[float, int, bool]:
-        return CODE * self._stamp / PERIOD + friction, 0, False
+    def _step(self, memory: Any, x: Any, friction: float, *others: Any) -> tuple[float, int]:
+        return CODE * self._stamp / PERIOD + friction, 0
 
     def warn(self, *about: Any, **named: Any) -> bool:
         """Log nothing."""

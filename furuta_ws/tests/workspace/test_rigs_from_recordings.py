@@ -24,4 +24,4 @@ def test_an_identified_rig_stands(monkeypatch: pytest.MonkeyPatch, seed: int) ->
         monkeypatch.setattr(study, "SECONDS", SHORT)
     residuals = study.study(seed)
     assert not np.any(np.isnan(list(residuals.values()))), residuals
-    assert residuals["super_twisting"] < 0.025
+    assert residuals["recommended"] < 0.025

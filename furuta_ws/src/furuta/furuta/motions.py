@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -18,7 +18,7 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
 from furuta.loops import Part, checked_loop, ideal_loop, with_parts
 from furuta.outcomes import Outcome, outcome
-from furuta.studies.tuning_plan import COMPENSATIONS, TuningPlan
+from furuta.studies.tuning_plan import TuningPlan
 from furuta.transfer import joint_transfer, transfer
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -225,7 +225,6 @@ def tune(
     loop: Loop | None = None,
     seconds: float = 120.0,
     report: Callable[[str, float], None] | None = None,
-    compensations: Iterable[str] = COMPENSATIONS,
     enough: float = 1.0,
 ) -> TuningResult:
     """Find the compensation with the smallest swing of the arm, by simulation.
@@ -235,21 +234,20 @@ def tune(
             only through the estimates.
         seconds: Longest simulated time [s].
         report: Called with a message and the simulated time [s]; by default nothing is reported.
-        compensations: Those that are tried: recommended, stiction, coulomb, lugre.
         enough: Swing that ends the search, in counts of the encoder.
 
     Returns:
-        The trials ``before`` and ``after``, each with its ``compensation`` (parameters of friction
-        observer and controller) and the arm's ``swing`` [rad]; all ``trials``; the ``parameters``
-        that changed, by node; whether there is a ``gain``.
+        The trials ``before`` and ``after``, each with its ``compensation`` (parameters of
+        estimator, friction observer and controller) and the arm's ``swing`` [rad]; all ``trials``;
+        the ``parameters`` that changed, by node; whether there is a ``gain``.
 
     Raises:
-        ParameterError: The time is too short, a compensation is unknown, or the pendulum falls.
+        ParameterError: The time is too short, or the pendulum falls.
     """
     from furuta.studies.tuning import tune_simulated
 
     check_seconds(seconds)
-    plan = TuningPlan(seconds, compensations=tuple(compensations), enough=enough)
+    plan = TuningPlan(seconds, enough=enough)
     return tune_simulated(checked_loop(loop), plan, report or (lambda message, seconds: None))
 
 

@@ -128,11 +128,7 @@ def _only_sensors(loop: Loop, part: float) -> Loop:
             sample_time=plant.sample_time,
         ),
         observer=loop.observer._replace(compensation="none"),
-        controller=loop.controller._replace(
-            mode="balance",
-            balance=loop.controller.balance._replace(super_twisting=0.0),
-            excitation=ExcitationParameters(),
-        ),
+        controller=loop.controller._replace(mode="balance", excitation=ExcitationParameters()),
     )
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_model.state import RIGID_STATES
 from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import is_bag, read
 from furuta_recordings.recording import Recording
@@ -93,7 +94,7 @@ def simulated_series(record: Record) -> dict[str, np.ndarray]:
     return {
         TIME: record.time,
         **known(by_name(MEASURED, record.measurement)),
-        **by_name(ESTIMATED, record.estimate),
+        **by_name(ESTIMATED, record.estimate[:, :RIGID_STATES]),
         FRICTION_ESTIMATE: record.friction_estimate,
         COMMAND: record.command,
         **by_name(TRUE, np.column_stack([record.state, record.friction])),
@@ -166,7 +167,7 @@ def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
         {
             TIME: recorded.time,
             **by_name(MEASURED, recorded.measurement),
-            **by_name(ESTIMATED, recorded.estimate),
+            **by_name(ESTIMATED, recorded.estimate[:, :RIGID_STATES]),
             FRICTION_ESTIMATE: recorded.at_measurements(topics.FRICTION_ESTIMATE.name),
             COMMAND: recorded.at_measurements(topics.COMMAND.name),
             **by_name(TRUE, recorded.truth),

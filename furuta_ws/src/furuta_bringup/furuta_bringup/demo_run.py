@@ -1,4 +1,4 @@
-"""The demo: the paper's Figs 6 to 9 and the recommended setting, through the graph in lock-step.
+"""The demo: the paper's Figs 6 to 9 and the recommended compensation, in lock-step.
 
 One pendulum keeps running while parameter services switch the compensation, as a user would.
 """
@@ -12,15 +12,11 @@ from typing import Any
 from rclpy.node import Node
 
 from furuta.settings.nodes import FRICTION_OBSERVER
-from furuta.settings.parameter_names import by_node
-from furuta.settings.recommended import RECOMMENDED, recommended_values
 from furuta.settings.settings import Settings, default_settings, loop, merge_settings
 from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.parameter_files import settings_file
-from furuta_friction.compensation import ObserverParameters
-from furuta_model.parameters import values
 from furuta_recordings.recorder_node import RecorderNode
 
 
@@ -33,11 +29,11 @@ def in_lockstep(settings: Settings) -> Settings:
 
 
 def run_demo(
-    settings: Settings, tuned: Callable[[], dict[str, Any]], seconds: float, bag: Path
+    settings: Settings, tuned: Callable[[], float], seconds: float, bag: Path
 ) -> Iterator[Phase]:
     """Run every compensation for ``seconds``, and record the graph into ``bag``.
 
-    ``tuned`` gives the parameters of the friction observer after the tuning; it may wait for them.
+    ``tuned`` gives the tuned σ₁ of the friction observer; it may wait for it.
     """
     node = Node("furuta_demo", start_parameter_services=False)
     settings = in_lockstep(settings)
@@ -48,8 +44,7 @@ def run_demo(
         for number, compensation in enumerate(COMPENSATIONS):
             began = perf_counter()
             end = (number + 1) * seconds
-            for each, changes in _changes(compensation, tuned, settings).items():
-                client.set_all(each, changes)
+            client.set_all(FRICTION_OBSERVER, _changes(compensation, tuned, settings))
             client.set("plant", run_until=end)
             graph.run_until(end)
             yield Phase(compensation, number * seconds, end, perf_counter() - began)
@@ -57,19 +52,8 @@ def run_demo(
         graph.close()
 
 
-def settable(observer: ObserverParameters) -> dict[str, Any]:
-    """The friction observer's parameters that can be set while it runs."""
-    return {name: value for name, value in values(observer).items() if name != "sample_time"}
-
-
-def _changes(
-    compensation: str, tuned: Callable[[], dict[str, Any]], settings: Settings
-) -> dict[str, dict[str, Any]]:
-    """The parameters that a phase sets, by node; the last one has the model before the tuning."""
+def _changes(compensation: str, tuned: Callable[[], float], settings: Settings) -> dict[str, Any]:
+    """The parameters of the friction observer that a phase sets."""
     if compensation == TUNED:
-        return {FRICTION_OBSERVER: tuned()}
-    if compensation != RECOMMENDED:
-        return {FRICTION_OBSERVER: {"compensation": compensation}}
-    model = loop(settings).observer
-    chosen = by_node(recommended_values(loop(settings), settings.chosen()))
-    return chosen | {FRICTION_OBSERVER: settable(model) | chosen[FRICTION_OBSERVER]}
+        return {"compensation": "lugre", "sigma1": tuned()}
+    return {"compensation": compensation, "sigma1": loop(settings).observer.friction.sigma1}

@@ -45,7 +45,7 @@ class EstimateBuffer:
 
 
 class TuningClient:
-    """Reads ``joint_states`` and sets friction observer and controller, as a user would.
+    """Reads ``joint_states`` and sets estimator, observer and controller, as a user would.
 
     ``stop`` is called while :meth:`watch` waits; once it returns true, :meth:`watch` raises
     :class:`TuningInterruptedError`. :meth:`apply` still works then, to restore parameters.
@@ -64,7 +64,7 @@ class TuningClient:
         self._waiting = estimates.waiting
         self.estimator = self._read(ESTIMATOR)
         observer, controller = self._read(FRICTION_OBSERVER).observer, self._read(CONTROLLER)
-        self.compensation = Compensation(observer, controller)
+        self.compensation = Compensation(self.estimator, observer, controller)
 
     def apply(self, compensation: Compensation) -> None:
         """Set the parameters that differ, node by node, and drop earlier estimates."""

@@ -26,6 +26,7 @@ from furuta_control.modes.mode import ControlledRig, Gain, Mode
 from furuta_control.modes.own import OwnControl
 from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
 from furuta_model.compiled import inlined
+from furuta_model.late_drive import LateDrive
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
@@ -81,6 +82,7 @@ class ControllerParameters(NamedTuple):
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
     swing_up: SwingUpParameters = SwingUpParameters()
+    drive: LateDrive = LateDrive()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -147,7 +149,9 @@ class ControllerMemory:
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe; for another mode only what takes no time."""
     kind, function = kind_and_address(p.mode, _NAMES, OwnControl, float64)
-    rig = ControlledRig(p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.sample_time)
+    rig = ControlledRig(
+        p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.drive, p.sample_time
+    )
     balancing = balance.design(rig, p.balance)
     return ControllerDesign(
         enabled=p.enabled,
@@ -175,7 +179,18 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
     if not p.feedback:
         balance.leave(memory.balance)
         swing_up.reset(memory.swing_up)
-    u = _driven(memory, x, balance.scaled(memory.balance, friction, p.balance), p)
+    friction = balance.scaled(memory.balance, friction, p.balance)
+    u = limited(_commanded(memory, x, friction, p), p)
+    balance.remember(memory.balance, u, friction, p.balance)
+    return u
+
+
+@inlined
+def _commanded(
+    memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign
+) -> float:
+    """Command u [V], unsaturated, with the excitation."""
+    u = _driven(memory, x, friction, p)
     if np.isnan(u) or not p.enabled:
         if not p.enabled:
             forget_integrals(memory)
@@ -183,7 +198,7 @@ def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: Control
     if p.excitation.on and within_limits(x, p.excitation):
         u += p.excitation.amplitude * shape(p.excitation.kind, memory.phase)
         memory.phase = (memory.phase + p.excitation.step) % TWO_PI
-    return limited(u, p)
+    return u
 
 
 @inlined

@@ -19,13 +19,11 @@ from furuta_control.control import (
     reset,
 )
 from furuta_control.modes import mode
-from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
 from furuta_ros.messages import RefusedError, read_value, typed_joint_state
 from furuta_ros.node import LATCHED, FurutaNode, LoopPublisher
-from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
 from furuta_ros.topics import ACTIVE_MODE, ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES
@@ -71,7 +69,6 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.message, ACTIVE_MODE.name, LATCHED)
         self._publish_mode()
         self._publisher = LoopPublisher(self, COMMAND)
-        self._reduction = ReductionStatus(self, self._reduction_reason)
         self.subscribe_to(JOINT_STATES, self.on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self.on_friction)
         self.create_subscription(ARMED.message, ARMED.name, self._on_armed, LATCHED)
@@ -114,7 +111,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def _answer(self, friction: float) -> None:
         """Compute the command for the state and publish it."""
         restarts, is_applied = self._restart_pending, self._is_applied
-        command, active, is_reduced = self._step(
+        command, active = self._step(
             self._memory, self._x, friction, self._controller, restarts, is_applied
         )
         if isnan(command):
@@ -124,8 +121,6 @@ class ControllerNode(FurutaNode[ControllerParameters]):
             self._active_mode = active
             self._publish_mode()
         self._publish()
-        if is_reduced:
-            self._reduction.report()
 
     def _publish(self) -> None:
         self._publisher.publish(value_bytes(self._command), self._stamp)
@@ -136,10 +131,6 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def _on_armed(self, message: Bool) -> None:
         self._is_applied = message.data
 
-    def _reduction_reason(self) -> str:
-        part = float(self._memory["balance"]["super_twisting"]["vibration"]["part"][0])
-        return vibration_reason("super-twisting", part)
-
 
 @compiled
 def _step(
@@ -149,23 +140,20 @@ def _step(
     controller: np.ndarray,
     restarts: bool,
     is_applied: bool,
-) -> tuple[float, int, bool]:
-    """The command u [V], what the controller does, and whether a vibration has reduced it.
+) -> tuple[float, int]:
+    """The command u [V] and what the controller does.
 
     The command is NaN, without a step, if a number of the state is impossible.
     """
     x = np.array(state)
     if not is_possible(x):
-        return np.nan, 0, False
+        return np.nan, 0
     if restarts:
         reset(memory[0])
     if not is_applied:
         forget_integrals(memory[0])
-    vibration = memory[0].balance.super_twisting.vibration
-    swings = vibration.swings
     u = control(memory[0], x, friction, controller[0])
-    is_reduced = vibration.swings > swings and is_sustained(vibration)
-    return u, active_mode(memory[0], controller[0]), is_reduced
+    return u, active_mode(memory[0], controller[0])
 
 
 def main() -> None:

@@ -1,8 +1,9 @@
 """Estimates the state from the measurement: the methods, and one sample of the chosen one.
 
-Measurement and estimate are (5,): x, then the applied torque or the observed friction [V]
-(:mod:`furuta_model.state`). To add a method, write its file in ``estimators/`` and name it here: in
-:data:`METHODS`, in :func:`update`, and where it has parameters, memory or design.
+Measurement and estimate are (5,): x, then the applied torque [V] (:mod:`furuta_model.state`). A
+method gets the torque behind the delay and lag that are known of the drive. To add a method, write
+its file in ``estimators/`` and name it here: in :data:`METHODS`, in :func:`update`, and where it
+has parameters, memory or design.
 """
 
 from dataclasses import dataclass, field
@@ -21,6 +22,14 @@ from furuta_control.estimators.whole_circle import WholeCircle
 from furuta_control.readings import ReadingLimits, ReadingMemory, reading_limits
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
+from furuta_model.late_drive import (
+    DriveMemory,
+    LateDrive,
+    SampledDrive,
+    acting_torque,
+    design_drive,
+    forget_voltages,
+)
 from furuta_model.linear import KalmanParameters
 from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
@@ -41,15 +50,13 @@ from furuta_model.state import (
 METHODS = (
     Method(
         "kalman",
-        "Kalman filter on all sensors and the applied torque, which also observes the friction",
-        observes_friction=True,
+        "Kalman filter on all sensors and the applied torque",
         needs_applied_torque=True,
     ),
     Method("lowpass", "the paper's filter on the potentiometer, with the arm as measured"),
     Method(
         "whole_circle",
         "Kalman filter with the nonlinear model, for any pendulum angle",
-        observes_friction=True,
         needs_applied_torque=True,
         covers_circle=True,
     ),
@@ -75,7 +82,7 @@ class EstimatorParameters(NamedTuple):
     model_viscous: Annotated[
         float,
         About(
-            "viscous friction of the arm in the model; the observed friction does not contain it",
+            "viscous friction of the arm in the model",
             "V s/rad",
             0,
             100,
@@ -84,6 +91,7 @@ class EstimatorParameters(NamedTuple):
     sensors: Sensors = Sensors()
     kalman: Annotated[KalmanParameters, INLINE] = KalmanParameters()
     lowpass: Annotated[LowpassParameters, INLINE] = LowpassParameters()
+    drive: LateDrive = LateDrive()
     sample_time: Annotated[
         float, About("time between measurements", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -134,12 +142,14 @@ class EstimatorDesign(NamedTuple):
     filtered: Annotated[bool, SELECTS]
     covers_circle: Annotated[bool, SELECTS]
     ideal: bool
+    is_late: Annotated[bool, SELECTS]
     readings: ReadingLimits
     sample_time: float
     kalman: Kalman
     lowpass: Lowpass
     whole_circle: WholeCircle
     own: OwnEstimation
+    drive: SampledDrive
 
 
 @dataclass
@@ -147,17 +157,19 @@ class EstimatorMemory:
     """What the estimator remembers.
 
     Attributes:
-        estimate: The estimate (5,) of x and of the friction.
+        estimate: The estimate (5,) of x and of the friction that the method observes.
         running: The running method, an index of :data:`METHODS` plus 1; :data:`NOT_RUNNING`
             without an estimate, :data:`UNFILTERED` while ideal measurements are the estimate.
         readings: Memory of the check of readings.
         own: Memory of an own method.
+        drive: What the drive has been given.
     """
 
     estimate: np.ndarray = zeros(SIGNALS)
     running: int = NOT_RUNNING
     readings: ReadingMemory = field(default_factory=ReadingMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
+    drive: DriveMemory = field(default_factory=DriveMemory)
 
 
 @designed_once
@@ -168,15 +180,17 @@ def design_estimator(p: EstimatorParameters) -> EstimatorDesign:
     return EstimatorDesign(
         method=method,
         function=function,
-        filtered=not p.sensors.ideal or chosen.observes_friction or method == OWN,
+        filtered=not p.sensors.ideal or method == OWN,
         covers_circle=chosen.covers_circle,
         ideal=p.sensors.ideal,
+        is_late=p.drive.is_late,
         readings=reading_limits(rig, chosen.needs_applied_torque),
         sample_time=p.sample_time,
         kalman=kalman.design(rig, p.kalman),
         lowpass=lowpass.design(p.lowpass, p.sample_time),
         whole_circle=whole_circle.design(rig, p.kalman, is_chosen=method == WHOLE_CIRCLE),
         own=OwnEstimation(p.model, p.model_viscous, p.sample_time),
+        drive=design_drive(p.drive, p.sample_time),
     )
 
 
@@ -189,8 +203,7 @@ def estimate_state(
     Unusable readings in ``measurement`` are replaced (:mod:`furuta_control.readings`). Without an
     estimate ``estimate`` is what the usable readings say, NaN where they say nothing. After a
     change of method the new one starts from the estimate of the previous one. Ideal measurements
-    are not filtered; the method is then used only to observe the friction, if it can. A method
-    that covers the circle gives θ from −π to π.
+    are not filtered. A method that covers the circle gives θ from −π to π.
     """
     if not is_bounded(memory):
         restart(memory)
@@ -199,7 +212,12 @@ def estimate_state(
         readings.forget_unusable(memory.readings)
     elif not _repair(memory, measurement, p, estimate):
         return
-    if p.filtered:
+    if p.filtered and p.is_late:
+        voltage = measurement[APPLIED_TORQUE]
+        measurement[APPLIED_TORQUE] = acting_torque(memory.drive, voltage, p.drive)
+        _filter(memory, measurement, p)
+        measurement[APPLIED_TORQUE] = voltage
+    elif p.filtered:
         _filter(memory, measurement, p)
     else:
         take_measurement(memory, measurement)
@@ -272,8 +290,9 @@ def finish(
 ) -> None:
     """Remember the readings and write the estimate."""
     readings.remember(memory.readings, measurement)
-    for i in range(SIGNALS):
+    for i in range(RIGID_STATES):
         estimate[i] = memory.estimate[i]
+    estimate[APPLIED_TORQUE] = measurement[APPLIED_TORQUE]
     if p.ideal:
         for i in range(RIGID_STATES):
             estimate[i] = measurement[i]
@@ -323,6 +342,7 @@ def restart(memory: EstimatorMemory) -> None:
     """Forget the estimate: the next measurement starts a new one."""
     memory.running = NOT_RUNNING
     forget_own(memory.own)
+    forget_voltages(memory.drive)
 
 
 @compiled
@@ -361,5 +381,7 @@ def _predict(
     torque = measurement[APPLIED_TORQUE]
     if np.isnan(torque):
         torque = predicted[APPLIED_TORQUE]
+    if p.is_late:
+        torque = memory.drive.torque
     if p.method == KALMAN:
         kalman.predict(x, torque, p.kalman, predicted)

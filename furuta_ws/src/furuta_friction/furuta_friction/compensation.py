@@ -12,24 +12,35 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from furuta_friction import observation
 from furuta_friction.compensator import Compensator, Joint
 from furuta_friction.compensators import (
     adaptive,
     bristle_observer,
-    combined,
     coulomb,
-    disturbance_observer,
     own,
+    recommended,
     stiction,
 )
 from furuta_friction.compensators.adaptive import Adaptive, AdaptiveMemory, AdaptiveParameters
 from furuta_friction.compensators.bristle_observer import BristleMemory
-from furuta_friction.compensators.combined import Combined, CombinedMemory, CombinedParameters
 from furuta_friction.compensators.own import OwnCompensation
+from furuta_friction.compensators.recommended import (
+    LARGEST_LEVEL,
+    Recommended,
+    RecommendedMemory,
+    RecommendedParameters,
+)
+from furuta_friction.observation import Body, Observation, ObservationMemory, limited, observe
+from furuta_friction.observation import design as design_observation
 from furuta_model.compiled import inlined
+from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
+from furuta_model.late_drive import LateDrive
+from furuta_model.linear import linearize
 from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, designed_once
+from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT
 
 ALL = (
@@ -47,11 +58,11 @@ ALL = (
         needs_observed_friction=True,
         moves_bristle=True,
     ),
-    Compensator("disturbance_observer", "observed friction", needs_observed_friction=True),
     Compensator(
-        "combined",
-        "learned level for each direction plus the filtered rest of the observed friction",
+        "recommended",
+        "LuGre friction of a learned level when the command acts, plus the observed rest",
         needs_observed_friction=True,
+        moves_bristle=True,
     ),
 )
 COMPENSATIONS = tuple(compensator.name for compensator in ALL)
@@ -61,8 +72,7 @@ COULOMB = COMPENSATIONS.index("coulomb")
 STICTION = COMPENSATIONS.index("stiction")
 LUGRE = COMPENSATIONS.index("lugre")
 ADAPTIVE = COMPENSATIONS.index("adaptive")
-DISTURBANCE_OBSERVER = COMPENSATIONS.index("disturbance_observer")
-COMBINED = COMPENSATIONS.index("combined")
+RECOMMENDED = COMPENSATIONS.index("recommended")
 OWN = len(ALL)
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
 
@@ -75,8 +85,22 @@ class ObserverParameters(NamedTuple):
     observer_gain: Annotated[
         float, About("gain K by which the arm angle corrects the LuGre observer", "1/s", -1e3, 1e3)
     ] = 0.01
+    bandwidth: Annotated[
+        float, About("bandwidth with which the friction is observed", "1/s", 0.01, 1e4)
+    ] = 50.0
     adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
-    combined: CombinedParameters = CombinedParameters()
+    recommended: Annotated[RecommendedParameters, INLINE] = RecommendedParameters()
+    model: FurutaPendulum = FurutaPendulum()
+    model_viscous: Annotated[
+        float,
+        About(
+            "viscous friction of the arm in the model; the observed friction does not contain it",
+            "V s/rad",
+            0,
+            100,
+        ),
+    ] = 0.0
+    drive: LateDrive = LateDrive()
     sample_time: Annotated[
         float, About("time between state estimates", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -97,15 +121,18 @@ class CompensationDesign(NamedTuple):
     """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL or OWN.
 
     ``function`` is the address of an own compensator. With ``idle_observer`` the observer (9) moves
-    beside the chosen compensator, so it has converged when the user switches to it.
+    beside the chosen compensator, so it has converged when the user switches to it. Not every one
+    ``observes`` the friction.
     """
 
     kind: Annotated[int, SELECTS]
     function: int
     idle_observer: Annotated[bool, SELECTS]
+    observes: Annotated[bool, SELECTS]
     joint: Joint
+    observation: Observation
     adaptive: Adaptive
-    combined: Combined
+    recommended: Recommended
 
 
 @dataclass
@@ -113,23 +140,39 @@ class CompensationMemory:
     """What the compensators remember."""
 
     bristle: BristleMemory = field(default_factory=BristleMemory)
+    observation: ObservationMemory = field(default_factory=ObservationMemory)
     adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
-    combined: CombinedMemory = field(default_factory=CombinedMemory)
+    recommended: RecommendedMemory = field(default_factory=RecommendedMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
 @designed_once
 def design_compensator(p: ObserverParameters) -> CompensationDesign:
-    """The compensation that the parameters describe."""
+    """The compensation that the parameters describe, for the arm of the pendulum."""
+    a, b = linearize(p.model, p.model_viscous)
+    return design_for_body(p, Body(a, b, p.drive, p.sample_time))
+
+
+def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
+    """The compensation that the parameters describe, for the joint of this body."""
     kind, function = kind_and_address(p.compensation, COMPENSATIONS, OwnCompensation)
     joint = Joint(p.friction, p.observer_gain, p.sample_time)
+    level = float(highest_level(p.friction))
+    bandwidth = limited(p.bandwidth, p.sample_time)
+    late_body = recommended.assumed(body, bandwidth)
+    observed_body = late_body if kind == RECOMMENDED else body
+    observed = design_observation(
+        observed_body, bandwidth, LARGEST_LEVEL * level, level, acts=kind == RECOMMENDED
+    )
     return CompensationDesign(
         kind=kind,
         function=function,
         idle_observer=not p.chosen.moves_bristle,
+        observes=p.chosen.needs_observed_friction or kind == OWN,
         joint=joint,
+        observation=observed,
         adaptive=adaptive.design(joint, p.adaptive),
-        combined=combined.design(joint, p.combined),
+        recommended=recommended.design(joint, late_body, bandwidth, p.recommended),
     )
 
 
@@ -142,7 +185,8 @@ def that_stays(p: CompensationDesign) -> CompensationDesign:
 def reset(memory: CompensationMemory) -> None:
     """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
     memory.bristle.z = 0.0
-    memory.combined.rest = 0.0
+    observation.restart(memory.observation)
+    recommended.forget(memory.recommended)
     forget_own(memory.own)
 
 
@@ -152,15 +196,33 @@ def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
 
 
 @inlined
-def estimate_friction(  # noqa: PLR0911 (one for each compensator)
-    memory: CompensationMemory, x: np.ndarray, p: CompensationDesign
-) -> float:
-    """F̂ [V] for the state estimate ``x`` (5,); ``memory`` is updated.
+def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V] for the state estimate ``x`` (5,) with the applied torque; ``memory`` is updated.
 
     While the arm's state is unknown (NaN), F̂ is 0 V and the memory is kept.
     """
     if isnan(x[PHI_DOT] + x[PHI]):
         return 0.0
+    return compensate(memory, x, observe_friction(memory, x, p), p)
+
+
+@inlined
+def observe_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """What the compensator does not model of the friction that acts now [V].
+
+    It is NaN if the compensator does not need it, or it cannot be observed.
+    """
+    if not p.observes:
+        return nan
+    model = memory.recommended.model if p.kind == RECOMMENDED else 0.0
+    return observe(memory.observation, x, model, p.observation)
+
+
+@inlined
+def compensate(  # noqa: PLR0911 (one for each compensator)
+    memory: CompensationMemory, x: np.ndarray, observed: float, p: CompensationDesign
+) -> float:
+    """F̂ [V] of the chosen compensator, with what has been ``observed`` [V]."""
     if p.idle_observer:
         bristle_observer.estimate(memory.bristle, x, p.joint)
     if p.kind == NONE:
@@ -168,15 +230,13 @@ def estimate_friction(  # noqa: PLR0911 (one for each compensator)
     if p.kind == COULOMB:
         return coulomb.estimate(x, p.joint)
     if p.kind == STICTION:
-        return stiction.estimate(x, p.joint)
+        return stiction.estimate(x, observed, p.joint)
     if p.kind == LUGRE:
         return bristle_observer.estimate(memory.bristle, x, p.joint)
     if p.kind == ADAPTIVE:
-        return adaptive.estimate(memory.bristle, memory.adaptive, x, p.adaptive)
-    if p.kind == DISTURBANCE_OBSERVER:
-        return disturbance_observer.estimate(x, p.joint)
-    if p.kind == COMBINED:
-        return combined.estimate(memory.combined, x, p.combined)
+        return adaptive.estimate(memory.bristle, memory.adaptive, x, observed, p.adaptive)
+    if p.kind == RECOMMENDED:
+        return recommended.estimate(memory.bristle, memory.recommended, x, observed, p.recommended)
     if p.kind == OWN:
-        return own.estimate(memory.own, x, p.function, p.adaptive)
+        return own.estimate(memory.own, x, observed, p.function, p.adaptive)
     return nan

@@ -18,11 +18,13 @@ from furuta_friction.joint_observer import (
     ObserverNodeParameters,
     joint_step,
 )
+from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
 from furuta_model.state import LARGEST_VALUE, is_possible
 from furuta_ros.messages import RefusedError, joint_numbers, typed_joint_state
 from furuta_ros.node import BEST_EFFORT, FurutaNode, LoopPublisher
+from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
@@ -35,9 +37,7 @@ REFERENCE_AGE = 0.1
 # Part of the sample time by which the mean time between states may differ from it.
 WRONG_RATE = 0.2
 # What the observed friction comes from.
-ARM_NEEDS = (
-    "effort (observed friction) in joint_states; use an estimator that observes it (method kalman)"
-)
+ARM_NEEDS = "effort (applied torque) in joint_states"
 JOINT_NEEDS = "effort in joint_states, and axis.inertia"
 
 
@@ -70,12 +70,13 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
                     f"axis.inertia of joint {self.parameters.joint} is 0: the measured speed is "
                     "used, and no friction is observed"
                 )
+        self._reduction = ReductionStatus(self, self._reduction_reason)
         self.steady_timer(CHECK_PERIOD, self._check)
 
     def _design(self, p: ObserverNodeParameters) -> None:
         """Redesign the observer; its memory is kept."""
         self._sample_time = p.observer.sample_time * NANOSECONDS
-        step: Any = _arm_step if self._is_arm else joint_step
+        step: Any = _arm_step if self._is_arm else _joint_step
         if self._is_arm:
             self._observer = block(compensation.design_compensator(p.observer))
         else:
@@ -109,10 +110,12 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
 
     def _answer(self, stamp: int, x: Signals | JointSample) -> None:
         if stamp != self._stamp:
-            friction = self._step(self._memory, x, self._observer, self._samples(stamp))
+            friction, is_reduced = self._step(self._memory, x, self._observer, self._samples(stamp))
             if isnan(friction):
                 raise RefusedError(f"no value may be larger than {LARGEST_VALUE:g}, given {x}")
             self._x, self._stamp, self._friction = x, stamp, friction
+            if is_reduced:
+                self._reduction.report()
         self._publisher.publish(value_bytes(self._friction), stamp)
 
     def _samples(self, stamp: int) -> int:
@@ -125,9 +128,14 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
     def _is_blind(self) -> bool:
         """Whether the newest state is known, and no friction is observed."""
         if self._is_arm:
-            *x, observed = self._x
-            return isnan(observed) and not isnan(sum(x))
+            *x, torque = self._x
+            return isnan(torque) and not isnan(sum(x))
         return isnan(self._x[2]) or not self.parameters.axis.inertia
+
+    def _reduction_reason(self) -> str:
+        memory = self._memory if self._is_arm else self._memory["compensation"]
+        part = float(memory["observation"]["vibration"]["part"][0])
+        return vibration_reason("the observed friction", part)
 
     def _check(self) -> None:
         """Warn if the compensation cannot do what is asked of it."""
@@ -157,14 +165,33 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
 
 
 @compiled
-def _arm_step(memory: np.ndarray, state: Signals, design: np.ndarray, samples: int) -> float:
-    """F̂ [V] of the arm, anew if ``samples`` is 0; NaN if a number is impossible."""
+def _arm_step(
+    memory: np.ndarray, state: Signals, design: np.ndarray, samples: int
+) -> tuple[float, bool]:
+    """F̂ [V] of the arm, anew if ``samples`` is 0, and whether a vibration has reduced it.
+
+    F̂ is NaN, without a step, if a number is impossible.
+    """
     x = np.array(state)
     if not is_possible(x):
-        return np.nan
+        return np.nan, False
     if samples == 0:
         compensation.reset(memory[0])
-    return compensation.estimate_friction(memory[0], x, design[0])
+    vibration = memory[0].observation.vibration
+    swings = vibration.swings
+    friction = compensation.estimate_friction(memory[0], x, design[0])
+    return friction, vibration.swings > swings and is_sustained(vibration)
+
+
+@compiled
+def _joint_step(
+    memory: np.ndarray, x: JointSample, design: np.ndarray, samples: int
+) -> tuple[float, bool]:
+    """The same for a joint; see :func:`joint_step`."""
+    vibration = memory[0].compensation.observation.vibration
+    swings = vibration.swings
+    friction = joint_step(memory, x, design, samples)
+    return friction, vibration.swings > swings and is_sustained(vibration)
 
 
 def main() -> None:

@@ -4,10 +4,9 @@ r"""Friction of a joint from its position and torque, in the joint's own units.
     J\dot v = τ - g(q) - σ_2 v - F, \qquad \dot F = w, \qquad
     g(q) = f_0 + g_s\sin q + g_c\cos q
 
-A stationary Kalman filter for this model gives speed and observed friction to the compensator. If
-the speed of the reference is known, the compensator gets a mixture: a measured speed is late, that
-of the reference is not, but says nothing while the reference rests. Super-twisting is added as an
-observer: what changes the speed besides τ and F̂ is the friction that F̂ lacks.
+A stationary Kalman filter for this model gives the speed to the compensator, with τ − g as the
+applied torque. If the speed of the reference is known, the compensator gets a mixture: a measured
+speed is late, that of the reference is not, but says nothing while the reference rests.
 """
 
 from dataclasses import dataclass, field
@@ -16,26 +15,50 @@ from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
-from furuta_friction import super_twisting
 from furuta_friction.compensation import (
+    RECOMMENDED,
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
-    design_compensator,
-    estimate_friction,
+    compensate,
+    design_for_body,
+    observe_friction,
 )
 from furuta_friction.compensation import reset as reset_compensation
-from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
+from furuta_friction.observation import Body
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
+from furuta_model.late_drive import (
+    DriveMemory,
+    SampledDrive,
+    acting_torque,
+    assume_held,
+    design_drive,
+    forget_voltages,
+)
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once
 from furuta_model.sensors import variance
-from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT, SIGNALS, is_possible
+from furuta_model.state import (
+    APPLIED_TORQUE,
+    PHI,
+    PHI_DOT,
+    RIGID_STATES,
+    SIGNALS,
+    THETA,
+    is_possible,
+)
 
 ARM: Final = "arm"
+# Index of the load in the state of a joint, where the pendulum's angle is in that of the arm.
+LOAD: Final = THETA
 # Largest level [V] and viscous friction [V s/rad] of it.
 LARGEST_OF_ARM: Final = 100.0
+
+# Estimates that are remembered: an effort can contain any but the last of them.
+SENT: Final = 5
+# Part of what is known of their lateness that is forgotten in a sample.
+FORGOTTEN: Final = 0.02
 
 # Position, speed, effort, and speed of the reference.
 JointSample = tuple[float, float, float, float]
@@ -67,12 +90,6 @@ class JointModel(NamedTuple):
     friction_process_noise: Annotated[
         float, About("random change of the friction in one second", "N m/√s", 1e-9, 1e9)
     ] = 1.0
-    super_twisting: Annotated[
-        float, About("bound C on the rate at which friction changes; 0: off", "N m/s", 0.0, 1e9)
-    ] = 0.0
-    largest_correction: Annotated[
-        float, About("largest integral of super-twisting", "N m", 0.0, 1e6)
-    ] = 1e6
     reference_speed: Annotated[
         float,
         About("speed at which the reference's speed counts as much as the own", "rad/s", 0.0, 1e3),
@@ -112,13 +129,13 @@ class JointDesign(NamedTuple):
     step: np.ndarray
     gain: np.ndarray
     model: JointModel
+    drive: SampledDrive
     compensation: CompensationDesign
-    twisting: SuperTwisting
 
 
 @dataclass
 class JointMemory:
-    """Estimate (q, v, F), torque and F̂ since the sample before, memories of the parts."""
+    """Estimate (q, v, F), load and acting torque since the sample before, F̂, memories of parts."""
 
     started: bool = False
     estimate: np.ndarray = zeros(3)
@@ -126,8 +143,11 @@ class JointMemory:
     load: float = 0.0
     torque: float = 0.0
     friction: float = 0.0
+    given: float = 0.0
+    sent: np.ndarray = zeros(SENT)
+    changes: np.ndarray = zeros(SENT - 1)
+    drive: DriveMemory = field(default_factory=DriveMemory)
     compensation: CompensationMemory = field(default_factory=CompensationMemory)
-    twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
 
 
 @designed_once
@@ -140,15 +160,20 @@ def design_joint(p: ObserverNodeParameters) -> JointDesign:
     model, dt = p.axis, p.observer.sample_time
     known = model.inertia > 0.0
     step, gain = _kalman(model, dt) if known else (np.zeros((3, 4)), np.zeros(3))
-    twisting = super_twisting.design(
-        rate_bound=model.super_twisting if known else 0.0,
-        bandwidth=0.0,
-        vibration_limit=inf,
-        closed=(0.0, 0.0, 0.0, 0.0),
-        b=1.0 / model.inertia if known else 1.0,
-        dt=dt,
+    a, b = np.zeros((RIGID_STATES, RIGID_STATES)), np.zeros(RIGID_STATES)
+    a[PHI, PHI_DOT] = 1.0
+    if known:
+        a[PHI_DOT, PHI_DOT], b[PHI_DOT] = -model.viscous / model.inertia, 1.0 / model.inertia
+    a[PHI_DOT, LOAD] = -b[PHI_DOT]
+    body = Body(a, b, p.observer.drive, dt, inf)
+    return JointDesign(
+        observes=known,
+        step=step,
+        gain=gain,
+        model=model,
+        drive=design_drive(p.observer.drive, dt),
+        compensation=design_for_body(p.observer, body),
     )
-    return JointDesign(known, step, gain, model, design_compensator(p.observer), twisting)
 
 
 def _kalman(model: JointModel, dt: float) -> tuple[np.ndarray, np.ndarray]:
@@ -180,8 +205,14 @@ def _kalman(model: JointModel, dt: float) -> tuple[np.ndarray, np.ndarray]:
 @inlined
 def reset(memory: JointMemory) -> None:
     """Begin anew with the next sample; levels that have adapted are kept."""
-    memory.started = memory.twisting.started = False
+    memory.started = False
     memory.friction = 0.0
+    memory.given = 0.0
+    for i in range(SENT):
+        memory.sent[i] = 0.0
+    for i in range(SENT - 1):
+        memory.changes[i] = 0.0
+    forget_voltages(memory.drive)
     reset_compensation(memory.compensation)
 
 
@@ -190,9 +221,6 @@ def predict(memory: JointMemory, p: JointDesign) -> None:
     """Move the estimate by one sample under the torque that was applied since the one before."""
     q, v, friction = memory.estimate[0], memory.estimate[1], memory.estimate[2]
     torque = memory.torque - memory.load
-    if p.twisting.rate_bound > 0.0:
-        moving = torque - p.model.viscous * v - memory.friction
-        memory.twisting.speed += p.twisting.dt * p.twisting.b * moving
     for i in range(3):
         memory.estimate[i] = (
             p.step[i, 0] * q + p.step[i, 1] * v + p.step[i, 2] * friction + p.step[i, 3] * torque
@@ -208,7 +236,7 @@ def joint_friction(
     reference_speed: float,
     p: JointDesign,
 ) -> float:
-    """F̂ [N m] from a sample of a joint; :func:`predict` is called for each one that is missing.
+    """F̂ [N m] from a sample of a joint; each one that is missing is passed by :func:`pass_missing`.
 
     Args:
         memory: What is remembered.
@@ -219,25 +247,37 @@ def joint_friction(
         p: The design.
     """
     x = memory.state
-    # The LuGre observer corrects by x[PHI], the distance from a reference: there is none.
-    x[PHI], x[PHI_DOT], x[OBSERVED_FRICTION] = 0.0, speed, nan
+    x[PHI_DOT], x[APPLIED_TORQUE] = speed, nan
     if p.observes:
         if not isnan(torque):
-            memory.torque = torque
+            memory.torque = acting_torque(memory.drive, torque, p.drive)
+        x[APPLIED_TORQUE] = torque
+        if p.compensation.kind == RECOMMENDED:
+            x[APPLIED_TORQUE] = _as_if_at_once(memory, torque)
         _observe(memory, position, p)
-        x[PHI_DOT] = memory.estimate[1]
-        if not isnan(torque):
-            x[OBSERVED_FRICTION] = memory.estimate[2]
-    own = x[PHI_DOT]
+        x[LOAD], x[PHI_DOT] = memory.load, memory.estimate[1]
+    observed, own = observe_friction(memory.compensation, x, p.compensation), x[PHI_DOT]
     if not isnan(reference_speed) and reference_speed != 0.0:
         square, half = reference_speed * reference_speed, p.model.reference_speed
         x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
-    memory.friction = estimate_friction(memory.compensation, x, p.compensation)
-    if p.twisting.rate_bound > 0.0:
-        memory.friction += super_twisting.twist(
-            memory.twisting, own, 1.0, p.model.largest_correction, p.twisting
-        )
+    memory.friction = 0.0
+    if not isnan(x[PHI_DOT]):
+        memory.friction = compensate(memory.compensation, x, observed, p.compensation)
+    if p.compensation.kind == RECOMMENDED:
+        for i in range(SENT - 1):
+            memory.sent[SENT - 1 - i] = memory.sent[SENT - 2 - i]
+        memory.sent[0] = memory.friction
     return memory.friction
+
+
+@inlined
+def pass_missing(memory: JointMemory, p: JointDesign) -> None:
+    """Move the observer by one sample that is missing; F̂ is held."""
+    if p.observes:
+        predict(memory, p)
+        x = memory.state
+        x[PHI_DOT] = memory.estimate[1]
+        observe_friction(memory.compensation, x, p.compensation)
 
 
 @compiled
@@ -251,9 +291,28 @@ def joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: 
     if samples == 0:
         reset(memory[0])
     for _ in range(samples - 1):
-        predict(memory[0], design[0])
+        pass_missing(memory[0], design[0])
     position, speed, effort, reference_speed = x
     return joint_friction(memory[0], position, speed, effort, reference_speed, design[0])
+
+
+@inlined
+def _as_if_at_once(memory: JointMemory, torque: float) -> float:
+    """The torque [N m] if it contained the newest estimate of friction, not a late one.
+
+    A controller changes its feedback less from sample to sample than friction changes with its
+    sign. So the torque contains that estimate without which it has changed least.
+    """
+    if isnan(torque):
+        return torque
+    late = 0
+    for i in range(SENT - 1):
+        change = torque - memory.given - (memory.sent[i] - memory.sent[i + 1])
+        memory.changes[i] += FORGOTTEN * (change * change - memory.changes[i])
+        if memory.changes[i] < memory.changes[late]:
+            late = i
+    memory.given = torque
+    return torque - memory.sent[late] + memory.sent[0]
 
 
 @inlined
@@ -263,7 +322,8 @@ def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
         predict(memory, p)
     if isnan(position):
         return
-    if memory.started:
+    starts = not memory.started
+    if not starts:
         innovation = position - memory.estimate[0]
         for i in range(3):
             memory.estimate[i] += p.gain[i] * innovation
@@ -272,3 +332,9 @@ def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
         memory.estimate[0], memory.estimate[1], memory.estimate[2] = position, 0.0, 0.0
     sine, cosine = sin_cos(position)
     memory.load = p.model.offset + p.model.gravity_sin * sine + p.model.gravity_cos * cosine
+    if starts:
+        # The drive has held the joint, so a torque that is late does not seem to be missing.
+        memory.torque = memory.load
+        assume_held(memory.drive, memory.load)
+        assume_held(memory.compensation.observation.drive, memory.load)
+        assume_held(memory.compensation.recommended.feedback, memory.load)

@@ -11,7 +11,7 @@ plant state    :data:`BRISTLE`                     memory of the friction law: d
                                                    [rad], or the friction [V] of a law that
                                                    truly sticks
 measurement    :data:`APPLIED_TORQUE`              torque applied since the last measurement [V]
-estimate       :data:`OBSERVED_FRICTION`           friction that the estimator observes [V]
+estimate       :data:`APPLIED_TORQUE`              the same
 =============  ==================================  =============================================
 
 NaN marks a value that is not measured or not estimated.
@@ -33,6 +33,7 @@ BRISTLE: Final = 4
 PLANT_STATES: Final = 5
 
 APPLIED_TORQUE: Final = 4
+# Inside an estimator, and for an own compensator: the friction that is observed [V].
 OBSERVED_FRICTION: Final = 4
 SIGNALS: Final = 5
 # Names of a measurement's signals, for messages.

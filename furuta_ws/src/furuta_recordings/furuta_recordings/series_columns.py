@@ -26,15 +26,13 @@ def _of_state(prefix: str, adjective: str) -> dict[str, Column]:
 
 
 TIME = "time_s"
-# Columns in the order of arrays: measurement (n, 5), estimate (n, 5), true state and friction.
+# Columns in the order of arrays: measurement (n, 5), estimated state (n, 4), true state and
+# friction.
 MEASURED = {
     **_of_state("measured", "measured"),
     "applied_torque_v": Column("V", "torque applied since the previous sample, as measured"),
 }
-ESTIMATED = {
-    **_of_state("estimated", "estimated"),
-    "observed_friction_v": Column("V", "friction that the estimator observes"),
-}
+ESTIMATED = _of_state("estimated", "estimated")
 TRUE = {
     **_of_state("true", "true"),
     "true_friction_v": Column("V", "true friction F of the simulated arm"),

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.axis.axis import Axis, Controller, poles, servo_cycle
-from furuta.axis.servo import CANDIDATES
 from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import ParameterError
 
 # True levels of friction, relative to those that the compensators assume.
@@ -95,7 +95,7 @@ def compare_on_axis(
     }
     trues = (*(with_level(axis, level) for level in LEVELS), *others)
     residuals = []
-    for compensation in CANDIDATES:
+    for compensation in COMPENSATIONS:
         found = [residual(true, axis, controller, compensation, **options) for true in trues]
         _, errors, sizes, chatters, settled = zip(*found, strict=True)
         worst = max(errors), max(sizes), max(chatters)

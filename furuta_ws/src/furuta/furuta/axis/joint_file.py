@@ -31,8 +31,8 @@ OF_FRICTION = ("alpha0", "alpha1", "stribeck_velocity", "asymmetry")
 OF_LOAD = ("offset", "gravity_sin", "gravity_cos")
 OF_AXIS = ("inertia", "viscous", *OF_LOAD)
 # Compensation if no controller is known with which others could be compared. LuGre can hunt where
-# the true level is a fourth below that of the file; what follows the observed friction does not.
-USUAL = "disturbance_observer"
+# the true level is a fourth below that of the file; what learns the level does not.
+USUAL = "recommended"
 # What a joint must have: the defaults of these are the pendulum's.
 NEEDED = ("sample_time", "alpha0", "alpha1", "stribeck_velocity", "sigma0", "sigma1")
 # Digits that are written.
@@ -70,7 +70,8 @@ def joint_parameters(
         raise ParameterError(f"{joint}: no dry friction found, so there is nothing to compensate")
     axis, compensation = identified_axis(fit), recommended or USUAL
     units = paper_units(axis, controller)
-    suited = observer_parameters(axis, units, compensation, fit.resolution, sample_time)
+    delay = fit.values.get("delay", 0.0)
+    suited = observer_parameters(axis, units, compensation, fit.resolution, sample_time, delay)
     load = {name: fit.values.get(name, 0.0) for name in OF_LOAD}
     return values(suited._replace(joint=joint, axis=suited.axis._replace(**load)))
 

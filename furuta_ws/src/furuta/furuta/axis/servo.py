@@ -14,7 +14,7 @@ import numpy as np
 
 from furuta.axis.axis import Axis, Cascade, Controller, poles
 from furuta.limit_cycles.joint import Units
-from furuta_friction.compensation import COMPENSATIONS, ObserverParameters, that_stays
+from furuta_friction.compensation import ObserverParameters, that_stays
 from furuta_friction.joint_observer import (
     JointDesign,
     JointMemory,
@@ -26,15 +26,17 @@ from furuta_friction.joint_observer import (
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
+from furuta_model.late_drive import LateDrive
 from furuta_model.linear import KalmanParameters
 from furuta_model.parameters import ParameterError
 
 # Of the paper's rig: level of friction [V], acceleration by it [rad/s²], size of the poles [1/s].
 LEVEL, ACCELERATION, POLES = 0.21, 9.5, 7.0
-# Bound on the rate of the friction for super-twisting [V/s], and largest correction [V].
-RATE_BOUND, LARGEST_CORRECTION = 10.0, 1.0
-SUPER_TWISTING = "super_twisting"
-CANDIDATES = (*COMPENSATIONS, SUPER_TWISTING)
+# Bandwidth of the observed friction relative to that of the arm: no pendulum hangs from an axis, so
+# its model also holds where it moves fast.
+FASTER = 2.0
+# Speed of the reference that counts as much as the own, on the paper's rig [rad/s].
+REFERENCE_SPEED = 0.05
 # Resolution [rad] that stands for a sensor without counts, on the paper's rig.
 PERFECT = 3e-6
 
@@ -81,9 +83,16 @@ def paper_units(axis: Axis, controller: Controller | None = None) -> Units:
 
 
 def observer_parameters(
-    axis: Axis, units: Units, compensation: str, resolution: float, sample_time: float
+    axis: Axis,
+    units: Units,
+    compensation: str,
+    resolution: float,
+    sample_time: float,
+    delay: float = 0.0,
 ) -> ObserverNodeParameters:
-    """Parameters of the friction observer for an axis, with a compensation of :data:`CANDIDATES`.
+    """Parameters of the friction observer for an axis, with one of :data:`COMPENSATIONS`.
+
+    The torque of the drive is known to act after a ``delay`` [s].
 
     Viscous friction is left to damp the motion. A bristle or a Stribeck velocity that the law does
     not have is that of the paper's arm.
@@ -98,18 +107,15 @@ def observer_parameters(
     dry = axis.friction._replace(viscous=0.0, sigma0=bristle.sigma0, sigma1=bristle.sigma1)
     if axis.law in ("coulomb", "stiction") or not dry.alpha1:
         dry = dry._replace(stribeck_velocity=usual.friction.stribeck_velocity * units.speed)
-    twists = compensation == SUPER_TWISTING
-    combined, adaptive = usual.combined, usual.adaptive
+    recommended, adaptive = usual.recommended, usual.adaptive
     observer = ObserverParameters(
-        compensation="none" if twists else compensation,
+        compensation=compensation,
         friction=dry,
         observer_gain=0.0,
         adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
-        combined=combined._replace(
-            filter_time=combined.filter_time * t,
-            reversal_speed=combined.reversal_speed * units.speed,
-            level_rate=combined.level_rate / t,
-        ),
+        bandwidth=FASTER * usual.bandwidth / t,
+        recommended=recommended._replace(level_rate=recommended.level_rate / t),
+        drive=LateDrive(round(delay / sample_time)),
         sample_time=sample_time,
     )
     return ObserverNodeParameters(
@@ -120,9 +126,7 @@ def observer_parameters(
             viscous=axis.friction.viscous,
             resolution=resolution or PERFECT * q,
             friction_process_noise=noise * f / sqrt(t),
-            super_twisting=RATE_BOUND * f / t if twists else 0.0,
-            largest_correction=LARGEST_CORRECTION * f,
-            reference_speed=combined.reversal_speed * units.speed,
+            reference_speed=REFERENCE_SPEED * units.speed,
         ),
     )
 
@@ -156,7 +160,7 @@ def servo_sample(
     Args:
         memory: What is remembered.
         position: Measured position [rad]; NaN if it is missing, but not in the first sample.
-        torque: Torque applied since the sample before [N m].
+        torque: Torque that the drive has been given since the sample before [N m].
         reference: Position that is wanted [rad].
         reference_speed: Its speed [rad/s].
         p: The design.

@@ -11,7 +11,6 @@ import numpy as np
 
 from furuta.axis.axis import Axis, Controller, check_axis, released
 from furuta.axis.servo import (
-    CANDIDATES,
     ServoDesign,
     ServoMemory,
     design_servo,
@@ -20,6 +19,7 @@ from furuta.axis.servo import (
     servo_sample,
 )
 from furuta.limit_cycles.joint import Units, friction_in
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.block import new_memory, zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import LAWS, FrictionLaw, friction_law
@@ -108,15 +108,16 @@ def run_loop(
     series: np.ndarray,
 ) -> None:
     """Write true position, measured position and torque of each sample to ``series`` (3, n)."""
-    x, torque, commands = memory[0].x, 0.0, np.zeros(len(reference))
+    x, commands = memory[0].x, np.zeros(len(reference))
     for k in range(len(reference)):
         position = p.position * x[PHI]
         measured = position
         if p.resolution > 0.0:
             measured = p.resolution * np.floor(measured / p.resolution + 0.5)
         friction = memory[0].servo.observer.friction
+        sent = commands[k - 1] if k > 0 else 0.0
         commands[k] = servo_sample(
-            memory[0].servo, measured, torque, reference[k], speeds[k], p.servo
+            memory[0].servo, measured, sent, reference[k], speeds[k], p.servo
         )
         if p.by_topic:
             commands[k] += friction - memory[0].servo.observer.friction
@@ -179,7 +180,7 @@ def simulate_axis(
         reference: Its constant speed [rad/s], or its positions (n,) [rad] at all samples. With
             positions the axis starts at the first of them, otherwise as :func:`servo_cycle` has
             it: at rest away from a reference at rest, on one that moves.
-        compensation: One of the compensators, or super_twisting.
+        compensation: One of the compensators.
         model: The axis as observer and compensator assume it; the true one by default.
         counts: Counts of the encoder per turn; 0 for a perfect sensor.
         sample_time: Time between samples [s].
@@ -189,7 +190,7 @@ def simulate_axis(
     Raises:
         ParameterError: An argument is not allowed, or the loop has no poles.
     """
-    choices = {"compensation": (compensation, CANDIDATES), "law": (axis.law, LAWS)}
+    choices = {"compensation": (compensation, COMPENSATIONS), "law": (axis.law, LAWS)}
     for name, (given, known) in choices.items():
         if given not in known:
             raise ParameterError(f"{name} must be one of {', '.join(known)}, given {given}")
@@ -216,7 +217,7 @@ def simulate_axis(
     speeds = np.gradient(positions, sample_time)
     units = paper_units(axis, controller)
     count = 2.0 * np.pi / counts if counts else 0.0
-    observer = observer_parameters(model or axis, units, compensation, count, sample_time)
+    observer = observer_parameters(model or axis, units, compensation, count, sample_time, delay)
     servo = design_servo(controller, observer)
     design = design_loop(axis, units, count, delay, by_topic, servo)
     memory = new_memory(LoopMemory)

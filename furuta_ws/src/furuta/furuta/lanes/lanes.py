@@ -157,8 +157,8 @@ def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:
 
 
 def _needed_estimator(loop: Loop) -> EstimatorParameters:
-    """The estimator without a filter if the sensors are ideal and nothing uses its friction."""
-    if loop.observer.chosen.needs_observed_friction or not loop.estimator.sensors.ideal:
+    """The estimator, without a filter if the sensors are ideal, which does not filter."""
+    if not loop.estimator.sensors.ideal:
         return loop.estimator
     return loop.estimator._replace(method="lowpass")
 

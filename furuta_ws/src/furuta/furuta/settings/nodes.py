@@ -116,9 +116,9 @@ def check_graph(parameters: Mapping[str, Any]) -> None:
         ParameterError: They do not.
     """
     _check_sample_times(parameters)
+    _check_joint(parameters.get(FRICTION_OBSERVER))
     estimator = parameters.get(ESTIMATOR)
     if estimator is not None:
-        _check_observed_friction(parameters.get(FRICTION_OBSERVER), estimator)
         _check_whole_circle(parameters.get(CONTROLLER), estimator)
 
 
@@ -131,22 +131,10 @@ def _check_sample_times(parameters: Mapping[str, Any]) -> None:
         raise ParameterError(f"sample_time must be the same for all nodes, given {listed}")
 
 
-def _check_observed_friction(
-    node: ObserverNodeParameters | None, estimator: EstimatorParameters
-) -> None:
-    """Some compensations need an estimator that estimates the friction too."""
-    if node is None:
-        return
-    if node.joint != "arm":
+def _check_joint(node: ObserverNodeParameters | None) -> None:
+    """The friction observer is that of the arm."""
+    if node is not None and node.joint != "arm":
         raise ParameterError(f"joint must be arm in the pendulum's graph, given {node.joint}")
-    observer = node.observer
-    if not observer.chosen.needs_observed_friction:
-        return
-    if not estimator.chosen.observes_friction:
-        raise ParameterError(
-            f"compensation {observer.compensation} needs an estimator that observes the friction, "
-            f"such as estimator.method=kalman; given {estimator.method}"
-        )
 
 
 def _check_whole_circle(

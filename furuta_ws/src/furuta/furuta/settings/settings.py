@@ -9,14 +9,13 @@ from typing import Any
 from furuta.settings.nodes import NODES, check_graph
 from furuta.settings.parameter_names import (
     EVERY_NODE,
-    by_node,
     parameters_in,
     parameters_named,
 )
-from furuta.settings.recommended import is_compensation, is_recommended, recommended_values
 from furuta_control.control import POLE_PLACEMENT
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
+from furuta_model.late_drive import LateDrive
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError, build, values
 from furuta_ros.parameter_files import Section, is_of_ros, sections
@@ -31,8 +30,8 @@ _LOG = logging.getLogger(__name__)
 class Settings(dict[str, dict[str, Any]]):
     """Values by node and full parameter name; all others are the defaults.
 
-    ``implied`` has the full names of values that nobody has chosen: they follow from a rig or from
-    the recommended setting, or are the defaults that a parameter file repeats.
+    ``implied`` has the full names of values that nobody has chosen: defaults that a parameter file
+    repeats.
     """
 
     implied: frozenset[str] = frozenset()
@@ -40,11 +39,6 @@ class Settings(dict[str, dict[str, Any]]):
     def chosen(self) -> frozenset[str]:
         """Full names of all values that are not implied."""
         return frozenset(self._names()) - self.implied
-
-    def all_implied(self) -> "Settings":
-        """The same, with every value implied."""
-        self.implied = frozenset(self._names())
-        return self
 
     def _names(self) -> Iterator[str]:
         return (f"{node}.{name}" for node, values in self.items() for name in values)
@@ -56,21 +50,22 @@ def default_settings() -> Settings:
 
 
 def rig_settings(rig: Rig) -> Settings:
-    """Parameters that the rig determines: model, friction, sensors, sample time and limits.
+    """Parameters that the rig determines: model, friction, sensors, drive, sample time and limits.
 
-    Viscous friction, which contains back-EMF, is part of the model of estimator and pole placement.
-    The friction observer therefore compensates the rest of the friction.
+    Viscous friction, which contains back-EMF, is part of the model of estimator, observer and pole
+    placement. The friction observer therefore compensates the rest of the friction.
     """
     model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
-    nominal = model | {"model_viscous": rig.friction.viscous}
+    drive = LateDrive(rig.drive_dynamics.delay, rig.drive_dynamics.lag)
+    nominal = model | {"model_viscous": rig.friction.viscous} | values(drive, "drive.")
     time = {"sample_time": rig.line.sample_time}
     settings = default_settings()
     settings["plant"] = model | sensors | values(rig.friction, "friction.") | time
     settings["plant"] |= _plant_parts(rig)
     settings["estimator"] = nominal | sensors | time | values(rig.kalman)
-    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | time
+    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | nominal | time
     settings["controller"] = nominal | time | values(rig.poles) | _limits(rig)
-    return settings.all_implied()
+    return settings
 
 
 def _plant_parts(rig: Rig) -> dict[str, Any]:
@@ -170,24 +165,13 @@ def _full_names(name: str) -> list[str]:
 
 
 def settings_with(settings: Settings, given: Iterable[tuple[str, Any]]) -> Settings:
-    """Settings with further values, each by a name as on the command line.
-
-    The recommended setting follows from all others, and what is chosen beside it remains.
-    """
-    added, recommended = default_settings(), False
+    """Settings with further values, each by a name as on the command line."""
+    added = default_settings()
     for name, value in given:
-        if is_compensation(name):
-            recommended = is_recommended(name, value)
-        if not is_recommended(name, value):
-            for match in parameters_named(name):
-                added[match.node][match.parameter.name] = match.parameter.parsed(value)
+        for match in parameters_named(name):
+            added[match.node][match.parameter.name] = match.parameter.parsed(value)
     _require_one_gain(added["controller"])
-    changed = merge_settings(settings, added)
-    if recommended:
-        found = recommended_values(_loop(parameters_of(changed)), changed.chosen())
-        implied = Settings(default_settings() | by_node(found)).all_implied()
-        changed = merge_settings(changed, implied)
-    return changed
+    return merge_settings(settings, added)
 
 
 def _require_one_gain(assigned: Mapping[str, Any]) -> None:
@@ -220,7 +204,7 @@ def loop_settings(of: Loop) -> Settings:
     settings = default_settings()
     for node, group in zip(PARTS, of, strict=True):
         settings[node] = values(group)
-    return settings.all_implied()
+    return settings
 
 
 def loop_with(settings: Settings, values: Mapping[str, Any]) -> Loop:

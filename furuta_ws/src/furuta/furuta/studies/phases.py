@@ -5,13 +5,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.oscillation import measure_oscillation
-from furuta.settings.recommended import RECOMMENDED
+from furuta.outcomes import outcome
 from furuta_recordings.bags.recorded_loop import RecordedRun
+from furuta_sim.simulation.closed_loop import Loop
 
-# The phases: the three compensations of the paper, LuGre with tuned parameters, and the recommended
-# setting.
+# The phases: the three compensations of the paper, LuGre with tuned σ₁, and the recommended one.
 TUNED = "tuned"
-COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, RECOMMENDED)
+COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, "recommended")
+# Simulated time [s], and values of σ₁ relative to the one of the settings, among which LuGre is
+# tuned.
+SECONDS = 60.0
+SCALES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83)
 # Part of each phase that is transient; the rest is evaluated.
 TRANSIENT = 0.75
 
@@ -44,3 +48,14 @@ def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]
             }
         )
     return rows
+
+
+def tuned_sigma1(loop: Loop) -> float:
+    """The σ₁ of the LuGre compensation that leaves the least swing in a simulation [V s/rad]."""
+    observer = loop.observer._replace(compensation="lugre")
+
+    def swing(sigma1: float) -> float:
+        tuned = observer._replace(friction=observer.friction._replace(sigma1=sigma1))
+        return outcome(loop._replace(observer=tuned), SECONDS).phi_peak_to_peak_rad
+
+    return min((scale * observer.friction.sigma1 for scale in SCALES), key=swing)

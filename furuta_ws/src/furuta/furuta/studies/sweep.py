@@ -60,15 +60,11 @@ def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
 
 
 class Sweep(NamedTuple):
-    """Base settings, swept parameters, seconds per run, and values that follow from each point.
-
-    The latter is ``compensation=recommended``, if it is asked for.
-    """
+    """Base settings, swept parameters and seconds per run."""
 
     settings: Settings
     axes: tuple[SweptParameter, ...]
     seconds: float
-    following: tuple[tuple[str, Any], ...] = ()
 
     def size(self) -> int:
         """The number of runs; :class:`ParameterError` if there are too many."""
@@ -89,7 +85,7 @@ class Sweep(NamedTuple):
         """The loop of every run, or the reason why it is impossible."""
         for point in self.points():
             try:
-                yield loop_with(self.settings, dict(self.following) | point)
+                yield loop_with(self.settings, point)
             except ParameterError as error:
                 yield str(error)
 

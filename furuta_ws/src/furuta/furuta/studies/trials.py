@@ -1,4 +1,4 @@
-"""Trials of a tuning: compensations with their swing, and what the estimates of one show."""
+"""Trials of a tuning: compensations with their swing."""
 
 from __future__ import annotations
 
@@ -8,39 +8,40 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta_control.control import ControllerParameters
+from furuta_control.estimation import EstimatorParameters
 from furuta_friction.compensation import ObserverParameters
-from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import values
-from furuta_model.state import OBSERVED_FRICTION, PHI, PHI_DOT
+from furuta_model.state import PHI
 
-NONE, AS_IT_IS = "none", "as it is"
-# Speed [rad/s], and part of the highest speed, from which the arm slides; samples that are enough.
-SLIDING, FAST, ENOUGH = 0.05, 0.3, 100
+NONE, RECOMMENDED, AS_IT_IS = "none", "recommended", "as it is"
 
 
 class Compensation(NamedTuple):
-    """The parameters of friction observer and controller."""
+    """The parameters of estimator, friction observer and controller."""
 
+    estimator: EstimatorParameters
     observer: ObserverParameters
     controller: ControllerParameters
 
     def changes(self, since: Compensation) -> dict[str, dict[str, Any]]:
         """Values that differ from those of another one, by node."""
-        named = {"friction_observer": self.observer, "controller": self.controller}
+        nodes = "estimator", "friction_observer", "controller"
         return {
             node: {name: new for name, new in values(group).items() if new != values(old)[name]}
-            for (node, group), old in zip(named.items(), since, strict=True)
+            for node, group, old in zip(nodes, self, since, strict=True)
         }
 
 
 class Trial(NamedTuple):
-    """A compensation with a scale, and the arm's swing [rad]; infinite outside the guard.
+    """A compensation, and the arm's swing [rad]; infinite outside the guard.
 
-    A trial that is ``given_up`` swung more than that.
+    ``scale`` is that of the bandwidth, ``lag`` [s] what is known of the drive. A trial that is
+    ``given_up`` swung more than that.
     """
 
     name: str
     scale: float
+    lag: float
     compensation: Compensation
     swing: float = inf
     given_up: bool = False
@@ -52,7 +53,8 @@ class Trial(NamedTuple):
 
     def __str__(self) -> str:
         """A line of the report."""
-        scale = "" if self.name in (NONE, AS_IT_IS) else f" {self.scale:.3g}"
+        scale = f" {self.scale:.3g}, lag {1e3 * self.lag:.3g} ms"
+        scale = "" if self.name in (NONE, AS_IT_IS) else scale
         if self.swing == inf:
             return f"{self.name}{scale}: left the guard"
         return f"{self.name}{scale}: {'more than ' if self.given_up else ''}{self.swing:.4f} rad"
@@ -62,6 +64,7 @@ class Trial(NamedTuple):
         return {
             "compensation": self.name,
             "scale": self.scale,
+            "lag_s": self.lag,
             "phi_peak_to_peak_rad": None if self.swing == inf else self.swing,
             "given_up": self.given_up,
         }
@@ -100,32 +103,6 @@ class TuningResult(NamedTuple):
         }
 
 
-def is_twisting(compensation: Compensation) -> bool:
-    """Whether it is of the recommended kind: LuGre with super-twisting."""
-    observer, controller = compensation
-    return observer.compensation == "lugre" and controller.balance.super_twisting > 0.0
-
-
 def swing_of(estimates: list[np.ndarray]) -> float:
     """The arm's angle in all parts, peak to peak [rad]."""
     return float(np.ptp(np.concatenate([part[:, PHI] for part in estimates])))
-
-
-def observed_friction(estimates: np.ndarray, known: Friction) -> Friction:
-    """The friction with the levels that ``estimates`` (n, 5) show where the arm slides.
-
-    It is the one that was ``known`` if the arm does not slide in both directions, or if what the
-    estimator observes does not oppose it, as behind an elastic coupling.
-    """
-    speed, friction = estimates[:, PHI_DOT], estimates[:, OBSERVED_FRICTION]
-    slides = np.abs(speed) > max(SLIDING, FAST * np.max(np.abs(speed)))
-    forward, backward = friction[slides & (speed > 0.0)], -friction[slides & (speed < 0.0)]
-    if min(len(forward), len(backward)) < ENOUGH:
-        return known
-    high, low = float(np.mean(forward)), float(np.mean(backward))
-    if not min(high, low) > 0.0:
-        return known
-    level = 0.5 * (high + low)
-    factor = level / known.alpha0 if known.alpha0 else 1.0
-    asymmetry = 0.5 * (high - low) / level
-    return known._replace(alpha0=level, alpha1=factor * known.alpha1, asymmetry=asymmetry)

@@ -1,39 +1,34 @@
 """Tuning of the compensation by the arm's swing, on a pendulum in motion, simulated or real.
 
-A compensation is tried with one scale at a time: the strength of the recommended setting, the level
-of Coulomb and stiction compensation, σ₁ of LuGre. The swing is the arm's estimated angle, peak to
-peak, which a real rig provides too.
+The recommended setting is tried with one change at a time: the bandwidth with which friction is
+observed, and the lag that is known of the drive. The level of the friction it learns by itself. The
+swing is the arm's estimated angle, peak to peak, which a real rig provides too.
 
-1. The motion is measured as it is, and with less and less strength. Where the pendulum stands with
-   little, it is measured without compensation. While the arm slides then, the estimator observes
-   the friction's level.
-2. Each compensation starts from this level. While the swing is beyond eight counts of the encoder,
-   its scale changes by factors of four, because the minimum can be far away. Then it changes
-   by factors of two and less. Once the swing is small enough, by default a count, the search ends.
-3. A trial counts as small enough only after a longer measurement. Otherwise the best one is
-   measured once more. If the motion as it was is not worse, nothing changes.
+1. The motion is measured as it is, then with the recommended setting.
+2. While the swing is too large, other bandwidths are tried, then other lags with the best one.
+3. A trial counts as small enough, by default a count of the encoder, only after a longer
+   measurement. Otherwise the best one is measured once more. If the motion as it was is not worse,
+   nothing changes.
 
 Safety: the excursion is checked every tenth of a second. Where it leaves the guard, or grows beyond
-the best one so far, the best setting is restored and the search goes on, but not beyond that scale.
+the best one so far, the best setting is restored and the search goes on.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf, sqrt
+from math import inf
 from typing import Protocol
 
 import numpy as np
 
-from furuta.settings.recommended import RECOMMENDED, with_super_twisting
 from furuta.studies.trials import (
     AS_IT_IS,
     NONE,
+    RECOMMENDED,
     Compensation,
     Trial,
     TuningResult,
-    is_twisting,
-    observed_friction,
     swing_of,
 )
 from furuta.studies.tuning_plan import (
@@ -47,8 +42,8 @@ from furuta.studies.tuning_plan import (
     STARTING,
     TuningPlan,
 )
-from furuta_control.estimation import EstimatorParameters
-from furuta_model.friction.parameters import SMALLEST_LEVEL
+from furuta_friction.compensation import ObserverParameters
+from furuta_friction.observation import limited
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
 from furuta_sim.simulation.closed_loop import Loop, Simulation
@@ -56,27 +51,25 @@ from furuta_sim.simulation.closed_loop import Loop, Simulation
 # Called with a message and the pendulum time [s].
 ProgressCallback = Callable[[str, float], None]
 
-# Swing [counts] from which the scale changes coarsely; the factors. One count without quantisation
-# [rad].
-FAR = 8.0
-COARSE, FINE = (1 / 4, 1 / 16, 4.0), (2.0, sqrt(2.0))
+# The usual bandwidth [1/s].
+USUAL = ObserverParameters().bandwidth
+# One count without quantisation [rad].
 SMALLEST_COUNT = 1e-3
-# Swing without compensation that shows the friction [rad]; strength that is nearly none.
-SHOWN, LITTLE = 0.2, 0.2
-# Swing, relative to the best one, below which a trial is better, from which it is given up, and
-# from which a compensation is not tried further.
-BETTER, GROWN, HOPELESS = 0.9, 1.3, 2.0
+# Lags of the drive that are tried [s]; relative difference of two lags or scales.
+LAGS, DIFFERENT = (0.006, 0.012, 0.025), 0.2
+# Scales of the bandwidth that are tried.
+SCALES = 0.7, 1.4, 2.0, 0.5
+# Swing, relative to the best one, below which a trial is better, and from which it is given up.
+BETTER, GROWN = 0.9, 1.3
 # Swing in the second half of a measurement, relative to all, below which it begins again.
 DECAYING = 0.5
-# Scales that are allowed, and those from the observed level; relative difference of two scales.
-SCALES, FROM_LEVEL, DIFFERENT = (0.02, 4.0), (0.05, 2.0), 0.05
 
 
 class TunableLoop(Protocol):
     """A closed loop in operation, simulated or real."""
 
     def apply(self, compensation: Compensation) -> None:
-        """Set the parameters of friction observer and controller."""
+        """Set the parameters of estimator, friction observer and controller."""
 
     def watch(self, seconds: float) -> np.ndarray:
         """Let the pendulum move on, and return the estimates (n, 5) of that time."""
@@ -104,19 +97,18 @@ class GuardError(ParameterError):
 def tune(
     rig: TunableLoop,
     start: Compensation,
-    estimator: EstimatorParameters,
     plan: TuningPlan,
     report: ProgressCallback,
     follow: float = 0.0,
 ) -> TuningResult:
     """Tune the compensation of ``rig`` and leave it with the best one found.
 
-    After that the swing is watched for ``follow`` [s], and the strength is searched again whenever
-    it has grown. Raises :class:`GuardError` if the pendulum falls. The initial parameters are then
+    After that the swing is watched for ``follow`` [s], and the search begins again whenever it has
+    grown. Raises :class:`GuardError` if the pendulum falls. The initial parameters are then
     restored, as after any interruption.
     """
     plan.check()
-    tuner = Tuner(rig, start, estimator.sensors.encoder_count, plan, report)
+    tuner = Tuner(rig, start, plan, report)
     try:
         return tuner.follow(follow, tuner.run())
     except BaseException:
@@ -126,25 +118,19 @@ def tune(
 
 def tune_simulated(loop: Loop, plan: TuningPlan, report: ProgressCallback) -> TuningResult:
     """Tune a simulated loop."""
-    start = Compensation(loop.observer, loop.controller)
-    return tune(SimulatedLoop(loop), start, loop.estimator, plan, report)
+    start = Compensation(loop.estimator, loop.observer, loop.controller)
+    return tune(SimulatedLoop(loop), start, plan, report)
 
 
 class Tuner:
-    """A search on one rig; ``count`` [rad] is that of the arm's encoder."""
+    """A search on one rig."""
 
     def __init__(
-        self,
-        rig: TunableLoop,
-        start: Compensation,
-        count: float,
-        plan: TuningPlan,
-        report: ProgressCallback,
+        self, rig: TunableLoop, start: Compensation, plan: TuningPlan, report: ProgressCallback
     ) -> None:
         self._rig, self._start, self._plan, self._report = rig, start, plan, report
-        self._count = count or SMALLEST_COUNT
-        self._enough, self._far = plan.enough * self._count, FAR * self._count
-        self._known = start.observer.friction  # with the level that has been observed
+        self._count = start.estimator.sensors.encoder_count or SMALLEST_COUNT
+        self._enough = plan.enough * self._count
         self._trials: list[Trial] = []
         self._elapsed = 0.0
 
@@ -152,36 +138,24 @@ class Tuner:
         """Find the compensation with the least swing, and apply it."""
         self._advance(STARTING)
         before = self._try(self._as_it_is)
-        if RECOMMENDED in self._plan.compensations:
-            self._try_scale(RECOMMENDED, 1.0 if before.swing == inf else before.scale or 1.0)
-            if self._best().swing == inf:
-                raise self._left_guard("every trial")
-            self._search(RECOMMENDED, 0.5 * self._best(RECOMMENDED).scale)
-        needed = self._best().swing > self._enough and before.name != NONE
-        if needed and self._is_none_safe() and self._has_time(LONGEST):
-            self._try(self._candidate(NONE, 0.0))
-        for name in self._plan.compensations:
-            self._search(name, self._level if name == RECOMMENDED else 1.0)
+        self._try_new(1.0, before.lag)
+        if self._best().swing == inf:
+            raise self._left_guard("every trial")
+        self._search()
         after = self._confirmed()
         return TuningResult(before, after, self._trials, self._elapsed, self._count)
 
-    def _is_none_safe(self) -> bool:
-        """Whether the pendulum stands with little compensation, which is not so on every belt."""
-        least = min(self._tried(RECOMMENDED), key=lambda trial: trial.scale, default=None)
-        return least is None or (least.scale <= LITTLE and least.is_inside)
-
     def follow(self, seconds: float, result: TuningResult) -> TuningResult:
-        """Search the strength again whenever the swing has grown, until ``seconds`` have passed."""
+        """Search again whenever the swing has grown, until ``seconds`` have passed."""
         best, end, plan = result.after, self._elapsed + seconds, self._plan
         while self._elapsed < end:
-            # None may swing more in a search, in which it shows the friction.
-            best = best._replace(name=AS_IT_IS) if best.name == NONE else best
             self._trials = [best]
-            if self._try(best).swing > self._grown(best):
+            if self._try(best).swing > self._grown():
                 self._trials = []
-                strength = self._try(best._replace(swing=inf)).scale
+                self._try(best._replace(swing=inf))
                 self._plan = plan._replace(seconds=self._elapsed + plan.seconds)
-                self._search(RECOMMENDED, strength if best.name == RECOMMENDED else LITTLE)
+                self._try_new(1.0, best.lag)
+                self._search()
                 best = self._confirmed()
             result.trials.extend(self._trials)
         return result._replace(after=best, seconds=self._elapsed)
@@ -189,82 +163,55 @@ class Tuner:
     @property
     def _as_it_is(self) -> Trial:
         """The initial parameters."""
-        if (
-            self._start.observer.compensation == NONE
-            and not self._start.controller.balance.super_twisting
-        ):
-            return Trial(NONE, 0.0, self._start)
-        if is_twisting(self._start):
-            return Trial(RECOMMENDED, self._start.controller.balance.strength, self._start)
-        return Trial(AS_IT_IS, 1.0, self._start)
+        observer = self._start.observer
+        known = observer.compensation in (NONE, RECOMMENDED)
+        name = observer.compensation if known else AS_IT_IS
+        return Trial(name, observer.bandwidth / USUAL, observer.drive.lag, self._start)
 
-    @property
-    def _level(self) -> float:
-        """The observed level of friction, relative to that of the model."""
-        level = self._known.alpha0 / max(self._start.observer.friction.alpha0, SMALLEST_LEVEL)
-        return min(max(level, FROM_LEVEL[0]), FROM_LEVEL[1])
+    def _recommended(self, scale: float, lag: float) -> Trial:
+        """The recommended setting with another bandwidth, for another lag."""
+        estimator, observer, controller = self._start
+        drive = observer.drive._replace(lag=lag)
+        balance = controller.balance._replace(strength=1.0)
+        changed = Compensation(
+            estimator._replace(drive=drive),
+            observer._replace(compensation=RECOMMENDED, bandwidth=scale * USUAL, drive=drive),
+            controller._replace(balance=balance, drive=drive),
+        )
+        return Trial(RECOMMENDED, scale, lag, changed)
 
-    def _candidate(self, name: str, scale: float) -> Trial:
-        """A compensation to try; all but the recommended one have the observed level."""
-        observer, controller = self._start
-        changed = {"strength": 1.0, "super_twisting": 0.0}
-        if name == NONE:
-            changed = {"strength": 0.0}
-        elif name == RECOMMENDED:
-            if not is_twisting(self._start):
-                controller = with_super_twisting(controller, observer)
-            changed = {"strength": scale}
-            observer = observer._replace(compensation="lugre")
-        else:
-            scaled = ("sigma1",) if name == "lugre" else ("alpha0", "alpha1")
-            changes = {each: scale * getattr(self._known, each) for each in scaled}
-            known = self._known._replace(**changes)
-            observer = observer._replace(compensation=name, friction=known)
-        balance = controller.balance._replace(**changed)
-        controller = controller._replace(balance=balance)
-        return Trial(name, scale, Compensation(observer, controller))
+    def _search(self) -> None:
+        """Try other bandwidths, then other lags, until the swing is small enough."""
+        for scale in SCALES:
+            self._try_new(scale, self._best(RECOMMENDED).lag)
+        for lag in LAGS:
+            self._try_new(self._best(RECOMMENDED).scale, lag)
 
-    def _search(self, name: str, first: float) -> None:
-        """Change the scale of a compensation until the swing is near enough."""
-        self._try_scale(name, first)
-        for factor in COARSE:
-            if self._best().swing > self._far:
-                self._try_scale(name, factor * first)
-        for step in FINE:
-            for factor in (1.0 / step, step):
-                while self._improves(name, factor):
-                    pass
-
-    def _improves(self, name: str, factor: float) -> bool:
-        """Whether the best scale, changed by a factor, is better."""
-        best = self._best(name)
-        low, high = sorted((best.scale, factor * best.scale))
-        # Beyond a scale that was given up, a belt may let the pendulum fall.
-        beyond = any(low < t.scale < high and not t.is_inside for t in self._tried(name))
-        if best.swing <= HOPELESS * self._best().swing and not beyond:
-            self._try_scale(name, factor * best.scale)
-        return self._best(name).swing < BETTER * best.swing
-
-    def _try_scale(self, name: str, scale: float) -> None:
-        """Try a scale, unless that is not needed, not allowed, known, or too late."""
-        known = any(abs(trial.scale / scale - 1.0) < DIFFERENT for trial in self._tried(name))
-        allowed = SCALES[0] <= scale <= SCALES[1]
+    def _try_new(self, scale: float, lag: float) -> None:
+        """Try a setting, unless that is not needed, known, or too late."""
+        bandwidth = self._acting(scale)
+        known = any(
+            abs(self._acting(trial.scale) / bandwidth - 1.0) < DIFFERENT
+            and abs(trial.lag - lag) <= DIFFERENT * lag
+            for trial in self._trials
+            if trial.name == RECOMMENDED
+        )
         needed = self._best().swing > self._enough
-        if needed and allowed and not known and self._has_time(LONGEST):
-            self._try(self._candidate(name, scale))
+        if needed and not known and self._has_time(LONGEST):
+            self._try(self._recommended(scale, lag))
+
+    def _acting(self, scale: float) -> float:
+        """The bandwidth [1/s] of a scale that acts with this sample time."""
+        return limited(scale * USUAL, self._start.observer.sample_time)
 
     def _has_time(self, seconds: float = 0.0) -> bool:
         """Whether ``seconds`` are left before the last measurement."""
         return self._elapsed + seconds + SETTLING + CONFIRMING <= self._plan.seconds
 
-    def _tried(self, name: str) -> list[Trial]:
-        """The trials of a compensation."""
-        return [trial for trial in self._trials if trial.name == name]
-
     def _best(self, name: str = "") -> Trial:
         """The best trial, of a compensation if there is a name; else the standard one, unknown."""
-        trials = self._tried(name) if name else self._trials
-        standard = self._candidate(RECOMMENDED, 1.0)
+        trials = [trial for trial in self._trials if name in ("", trial.name)]
+        standard = self._recommended(1.0, self._start.observer.drive.lag)
         best = min(trials, key=lambda trial: (trial.given_up, trial.swing), default=standard)
         return standard if best.swing == inf else best
 
@@ -277,8 +224,9 @@ class Tuner:
             swing = self._measured(best, CONFIRMING, inf).swing
             confirmed.append(best._replace(swing=max(best.swing, swing)))
             self._trials[self._trials.index(best)] = confirmed[-1]
-        if self._trials[0].swing < inf and best.swing > BETTER * self._trials[0].swing:
-            best = self._trials[0]
+        first = self._trials[0]
+        if first.swing < inf and best.swing > BETTER * first.swing:
+            best = best if best.swing <= self._enough < first.swing else first
         if best.swing == inf:
             raise self._left_guard("every trial")
         self._rig.apply(best.compensation)
@@ -286,18 +234,18 @@ class Tuner:
 
     def _try(self, trial: Trial) -> Trial:
         """Measure a trial; if it swings more than the best one, go back to that."""
-        grown = self._grown(trial)
+        grown = self._grown()
         trial = self._measured(trial, MEASURING, grown)
         self._trials.append(trial)
         self._report(str(trial), self._elapsed)
-        if trial.swing > grown or trial.name == NONE:
+        if trial.swing > grown:
             self._go_back()
         return trial
 
-    def _grown(self, trial: Trial) -> float:
+    def _grown(self) -> float:
         """Swing of a trial [rad] from which it is given up."""
         best = self._best().swing
-        return max(GROWN * best, SHOWN if trial.name == NONE else best + self._count)
+        return max(GROWN * best, best + self._count)
 
     def _measured(self, trial: Trial, seconds: float, grown: float) -> Trial:
         """A trial with its swing, measured for longer if that is near enough."""
@@ -313,8 +261,6 @@ class Tuner:
             inside = self._watch(seconds, grown, seen)
         if first and inside and swing_of(seen) <= self._enough:
             inside = self._watch(CONFIRMING, grown, seen)
-        if trial.name == NONE:
-            self._known = observed_friction(np.concatenate(seen), self._known)
         swing = swing_of(seen) if inside else inf
         return trial._replace(swing=swing, given_up=bool(grown < swing < inf))
 
@@ -351,5 +297,5 @@ class Tuner:
         arm, pendulum = self._plan.arm_guard, self._plan.pendulum_guard
         return GuardError(
             f"{what} left the guard of {arm:g} rad of the arm and {pendulum:g} rad (arm-guard, "
-            "pendulum-guard); the initial parameters are restored; begin with another strength"
+            "pendulum-guard); the initial parameters are restored; begin with another setting"
         )

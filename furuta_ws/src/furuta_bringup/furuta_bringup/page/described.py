@@ -86,8 +86,8 @@ class Described(NamedTuple):
         if isinstance(self.value, bool):
             about |= {"values": [True, False], "words": ["on", "off"]}
         elif self.full_name == COMPENSATION:
-            values = list(dict.fromkeys([*COMPENSATIONS, *self.choices]))
-            about |= {"values": values, "words": [COMPENSATIONS.get(each, each) for each in values]}
+            words = [COMPENSATIONS.get(each, each) for each in self.choices]
+            about |= {"values": self.choices, "words": words}
         elif self.choices:
             about |= {"values": self.choices, "words": self.choices}
         elif plain:

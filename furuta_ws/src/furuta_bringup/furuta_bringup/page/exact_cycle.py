@@ -1,5 +1,6 @@
 """The pendulum and its exact limit cycle for the parameters that the nodes have now."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,14 @@ from furuta.limit_cycles.periodic_orbit import trace
 from furuta.loops import ideal_loop
 from furuta.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES, PLANT
 from furuta.transfer import transfer
-from furuta_bringup.page.guided_scenes import Values
 from furuta_model.friction.laws import friction_law
 from furuta_model.parameters import ParameterError, build
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.simulation.closed_loop import Loop
 
 POINTS = 200  # of the orbit
+# Values by node and parameter name.
+Values = Mapping[str, Mapping[str, Any]]
 
 
 def model_of(values: Values) -> FurutaPendulum:

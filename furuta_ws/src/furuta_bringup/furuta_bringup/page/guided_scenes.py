@@ -1,20 +1,10 @@
 """What both pages show and measure; ``guided_scenes.yaml`` holds it."""
 
-from collections.abc import Mapping
 from importlib.resources import files
 from typing import Any
 
 from furuta.quantities import QUANTITIES
-from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER, NODES, PLANT
-from furuta.settings.parameter_names import by_node
-from furuta.settings.recommended import (
-    RECOMMENDED,
-    RECOMMENDED_NAMES,
-    is_recommended,
-    recommended_values,
-)
-from furuta.settings.settings import loop
-from furuta_model.parameters import ParameterError
+from furuta.settings.nodes import FRICTION_OBSERVER
 from furuta_ros.yaml_files import parse_yaml
 
 FILE = "guided_scenes.yaml"
@@ -23,9 +13,6 @@ CONTENT = parse_yaml(files(__package__).joinpath(FILE).read_text(encoding="utf-8
 IN_SIGHT: dict[str, dict[str, Any]] = CONTENT["in_sight"]
 COMPENSATIONS: dict[str, str] = CONTENT["compensations"]
 COMPENSATION = f"{FRICTION_OBSERVER}.compensation"
-SUPER_TWISTING = "super_twisting"
-# Values by node and parameter name.
-Values = Mapping[str, Mapping[str, Any]]
 
 
 def scenes() -> list[dict[str, Any]]:
@@ -46,7 +33,7 @@ def scene_names() -> list[str]:
     """Full names of all parameters that the steps of scenes change."""
     steps = [step for scene in scenes() for step in scene["steps"]]
     own = {name for step in steps for name in (*step["settings"], *step.get("times", {}))}
-    return sorted(own.union(RECOMMENDED_NAMES))
+    return sorted(own)
 
 
 def page_content() -> dict[str, Any]:
@@ -54,28 +41,3 @@ def page_content() -> dict[str, Any]:
     shown = {name: CONTENT[name] for name in ("measured", "what_if", "words")}
     look = {name: each._asdict() for name, each in QUANTITIES.items()}
     return shown | {"scenes": scenes(), "names": scene_names(), "quantities": look}
-
-
-def expanded_values(entered: Mapping[str, Any], values: Values) -> dict[str, Any]:
-    """Values by full name for what a user has entered, or a step sets.
-
-    *recommended* stands for several, and another compensation after it ends its super-twisting.
-    """
-    if COMPENSATION not in entered:
-        return dict(entered)
-    if is_recommended(COMPENSATION, entered[COMPENSATION]):
-        if PLANT not in values:
-            raise ParameterError("recommended needs a simulated plant; tune a rig instead")
-        own = by_node({each: value for each, value in entered.items() if each != COMPENSATION})
-        rig = loop({n: {**values.get(n, {}), **own.get(n, {})} for n in NODES})
-        return {**entered, **recommended_values(rig)}
-    if shown_compensation(values) == RECOMMENDED:
-        return {f"{CONTROLLER}.{SUPER_TWISTING}": 0.0, **entered}
-    return dict(entered)
-
-
-def shown_compensation(values: Values) -> Any:
-    """The node's word for the compensation; *recommended* for what nodes have in its place."""
-    word = values.get(FRICTION_OBSERVER, {}).get("compensation")
-    twists = values.get(CONTROLLER, {}).get(SUPER_TWISTING)
-    return RECOMMENDED if word == "lugre" and twists else word

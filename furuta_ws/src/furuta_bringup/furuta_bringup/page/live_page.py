@@ -18,7 +18,7 @@ from furuta.settings.nodes import CONTROLLER, HARDWARE_BRIDGE, PLANT
 from furuta_bringup.options import tell_graph
 from furuta_bringup.page.exact_cycle import analysed_loop, described_cycle, model_of
 from furuta_bringup.page.graph_link import END_TIMEOUT, GraphLink
-from furuta_bringup.page.guided_scenes import CONTENT, expanded_values, scene_names
+from furuta_bringup.page.guided_scenes import CONTENT, scene_names
 from furuta_bringup.page.jobs import Work
 from furuta_bringup.page.live_node import LiveNode
 from furuta_bringup.page.nodes_on_page import PACE, NodesOnPage
@@ -207,8 +207,7 @@ class LivePage:
 
     def _apply(self, wanted: Mapping[str, Any]) -> None:
         """Set parameters by full name. Called in a job."""
-        accepted = {name: self._nodes.accepted(name, value) for name, value in wanted.items()}
-        new = expanded_values(accepted, self._nodes.values)
+        new = {name: self._nodes.accepted(name, value) for name, value in wanted.items()}
         # The controller's modes depend on the estimator: set it after that, and restore it before.
         self._link.set_values(new, last_first=new.get(MODE) == "swing_up")
 

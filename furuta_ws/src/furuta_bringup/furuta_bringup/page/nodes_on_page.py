@@ -13,7 +13,6 @@ from furuta.settings.nodes import PLANT
 from furuta_bringup.graph.services import ServiceError
 from furuta_bringup.page.described import Described
 from furuta_bringup.page.graph_link import GraphLink
-from furuta_bringup.page.guided_scenes import COMPENSATION, shown_compensation
 from furuta_bringup.page.server import PageServer
 from furuta_model.parameters import ParameterError
 from furuta_ros.parameter_files import is_of_ros
@@ -79,7 +78,7 @@ class NodesOnPage:
                 self.values[node][each.name] = parameter_value_to_python(each.value)
         names = {f"{node}.{each.name}" for each in told} - {f"{PLANT}.{PACE}"}
         if names:
-            new = {name: self.shown(name) for name in names | {COMPENSATION}}
+            new = {name: self.shown(name) for name in names}
             self._server.known["values"] |= new
             self._server.say(values=new)
             self._changed()
@@ -99,7 +98,7 @@ class NodesOnPage:
 
     def shown(self, name: str) -> Any:
         """The same as the page shows it."""
-        return shown_compensation(self.values) if name == COMPENSATION else plain(self.value(name))
+        return plain(self.value(name))
 
     def _describe(self, node: str) -> None:
         found = {each.name: each for each in self._link.described(node)}

@@ -10,7 +10,7 @@ import click
 from click.core import ParameterSource
 
 from furuta.settings.settings import load_settings, loop
-from furuta.studies.comparison.candidates import STANDARD, parse_candidates, strength_candidates
+from furuta.studies.comparison.candidates import STANDARD, bandwidth_candidates, parse_candidates
 from furuta.studies.comparison.rigs import (
     DISTURBANCES,
     MOST_RIGS,
@@ -59,7 +59,7 @@ HEADINGS = {
     "pushes_survived": "pushes",
 }
 BY_RIG = "arm, peak to peak [rad], by rig; –: the pendulum falls"
-BEST = {"best_strength": "best strength", "residual_at_best_rad": "with it"}
+BEST = {"best_bandwidth": "best bandwidth", "residual_at_best_rad": "with it"}
 
 
 @click.command()
@@ -102,9 +102,9 @@ BEST = {"best_strength": "best strength", "residual_at_best_rad": "with it"}
     help="Push the arm with this torque [V] for 0.1 s, in a separate run; repeatable.",
 )
 @option(
-    "--strengths",
+    "--bandwidths",
     is_flag=True,
-    help="Find the recommended setting's best strength on each rig, as --truths does.",
+    help="Find the recommended compensation's best bandwidth on each rig, as --truths does.",
 )
 @option(
     "--seconds",
@@ -130,7 +130,7 @@ def command(
     assignments: tuple[str, ...],
     texts: tuple[str, ...],
     pushes: tuple[float, ...],
-    strengths: bool,
+    bandwidths: bool,
     seconds: float,
     out: Path | None,
     as_json: bool,
@@ -144,7 +144,7 @@ def command(
     --truths, and drawn from the uncertainty in its file with --rig.
     """
     from furuta.studies.comparison.comparison import Comparison
-    from furuta.studies.comparison.scores import best_strengths, comparison_report, rank
+    from furuta.studies.comparison.scores import best_bandwidths, comparison_report, rank
     from furuta.studies.study_tables import check_table, write_runs
     from furuta_bringup.printing import print_table, with_progress
 
@@ -170,19 +170,19 @@ def command(
 
         draw_comparison(outcome, [score.candidate for score in scores], count, out)
     report = comparison_report(outcome, scores, count, by_rig=truths)
-    if truths or strengths:
-        scaled = Comparison(settings, chosen, strength_candidates(settings), seconds)
-        runs = with_progress("strengths", scaled.rows(), scaled.size, quiet=as_json)
+    if truths or bandwidths:
+        scaled = Comparison(settings, chosen, bandwidth_candidates(), seconds)
+        runs = with_progress("bandwidths", scaled.rows(), scaled.size, quiet=as_json)
         deque(runs, maxlen=0)
-        report["best_strengths"] = best_strengths(scaled.table())
+        report["best_bandwidths"] = best_bandwidths(scaled.table())
     report["impossible"] = len(comparison.impossible)
     chosen_settings = {each.name: each.settings for each in candidates}
     report["recommended_settings"] = chosen_settings.get(report["recommended"], {})
     if as_json:
         print_json(report)
         return
-    if truths or strengths:
-        _print_rigs(outcome, report["best_strengths"], with_candidates=truths)
+    if truths or bandwidths:
+        _print_rigs(outcome, report["best_bandwidths"], with_candidates=truths)
     title = (
         f"arm, peak to peak [rad], over {report['rigs']} rigs; fraction within one count, which is "
         f"{count:.4f} rad; rigs that are worse by more than a count than without compensation, and "
@@ -195,13 +195,13 @@ def command(
 
 
 def _print_rigs(table: Table, best: list[dict[str, Any]], with_candidates: bool) -> None:
-    """Print what is known of each rig, some columns at a time: residuals, best strength."""
+    """Print what is known of each rig, some columns at a time: residuals, best bandwidth."""
     from furuta_bringup.printing import console, print_table
 
     candidates = table.candidates if with_candidates else []
     rows = [
-        strength | dict(zip(candidates, map(float, sizes), strict=False))
-        for strength, sizes in zip(best, table.residual.T, strict=True)
+        bandwidth | dict(zip(candidates, map(float, sizes), strict=False))
+        for bandwidth, sizes in zip(best, table.residual.T, strict=True)
     ]
     headings = {name: name.replace("_", " ") for name in candidates} | BEST
     columns = max(1, (console().width - RIG_WIDTH) // CANDIDATE_WIDTH)

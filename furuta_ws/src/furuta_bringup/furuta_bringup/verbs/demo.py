@@ -7,14 +7,11 @@ from typing import Any
 
 import click
 
-from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
 from furuta_bringup.printing import print_json, show
 from furuta_ros.whole_files import whole_file
 
-# The paper's tuned LuGre compensation.
-PLAN = TuningPlan(compensations=("lugre",), enough=0.25)
 TITLE = "limit cycle, peak to peak, last quarter of each phase"
 HEADINGS = {
     "compensation": "compensation",
@@ -70,7 +67,8 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     from rich.console import Console
 
     from furuta.figures.series import draw_demo
-    from furuta.studies.phases import COMPENSATIONS, evaluate
+    from furuta.settings.settings import loop
+    from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
     from furuta_bringup.demo_run import run_demo
     from furuta_bringup.printing import with_progress
     from furuta_bringup.warm_up import compile_nodes, workers
@@ -84,7 +82,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     console = Console(stderr=True, quiet=quiet)
     with workers() as pool:
         # In a simulation, which has the numbers of the graph; the first phases run meanwhile.
-        tuning = pool.submit(_tuned, settings)
+        tuning = pool.submit(tuned_sigma1, loop(settings))
         compile_nodes(pool, quiet)
         with ros_context(private=True):
             running = run_demo(settings, tuning.result, seconds, new)
@@ -98,19 +96,10 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
         draw_demo(recorded, phases, figure)
     return {
         "runs": evaluate(phases, recorded),
-        "tuned_parameters": tuning.result(),
+        "tuned_parameters": {"compensation": "lugre", "sigma1": tuning.result()},
         "figure": str(figure),
         "bag": str(bag),
     }
-
-
-def _tuned(settings: Any) -> dict[str, Any]:
-    from furuta.settings.settings import loop
-    from furuta.studies.tuning import tune_simulated
-    from furuta_bringup.demo_run import in_lockstep, settable
-
-    result = tune_simulated(loop(in_lockstep(settings)), PLAN, lambda message, seconds: None)
-    return settable(result.after.compensation.observer)
 
 
 def _check(bag: Path) -> None:

@@ -43,17 +43,13 @@ def command(
     Each run gives the same result as furuta simulate. The table appears when all are done.
     """
     from furuta.lanes.batch import batch
-    from furuta.settings.recommended import is_compensation, is_recommended
-    from furuta.settings.settings import load_settings, parse_assignment
+    from furuta.settings.settings import load_settings
     from furuta.studies.study_tables import check_table, write_runs
     from furuta.studies.sweep import Sweep, outcomes_on_cluster, parse_swept_parameter, run
     from furuta_bringup.printing import with_progress
 
     swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
-    choices = [item for item in map(parse_assignment, assignments) if is_compensation(item[0])]
-    following = tuple(item for item in choices[-1:] if is_recommended(*item))
-    others = [text for text in assignments if parse_assignment(text) not in following]
-    sweep = Sweep(load_settings(files, others), swept, seconds, following)
+    sweep = Sweep(load_settings(files, assignments), swept, seconds)
     size = sweep.size()
     check_table(out)
     simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch

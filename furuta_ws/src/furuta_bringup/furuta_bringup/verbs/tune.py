@@ -48,7 +48,7 @@ GUARD = FiniteRange(0, min_open=True)
     type=FiniteRange(0),
     default=0.0,
     help="Watch the swing of the running graph for this pendulum time [s] after that, and search "
-    "the strength again whenever it has grown.",
+    "again whenever it has grown.",
 )
 @option(
     "--arm-guard",
@@ -63,7 +63,7 @@ GUARD = FiniteRange(0, min_open=True)
     help="Largest angle of the pendulum [rad].",
 )
 @option("--out", type=PATH, metavar="FILE.yaml", help="Write the parameters to a parameter file.")
-@option("--figure", type=FIGURE, help="Draw the swing over the scale of each compensation.")
+@option("--figure", type=FIGURE, help="Draw the swing over bandwidth and lag.")
 @model_options
 @json_option
 def command(
@@ -81,9 +81,9 @@ def command(
 ) -> None:
     """Find the compensation with the smallest swing of the arm.
 
-    The recommended setting is tried with other strengths, until the arm swings by at most one count
-    of its encoder. If that is not enough, Coulomb, stiction and LuGre compensation are tried with
-    the observed friction. Where the swing grows, the best setting so far is restored at once. If
+    The recommended setting is tried with other bandwidths and other lags of the drive, until the
+    arm swings by at most one count of its encoder. Where the swing grows, the best setting so far
+    is restored at once. If
     nothing is better than the motion as it was, nothing changes; "gain" is then false in the JSON,
     and the exit status is still 0. On a running graph the result stays active. Ctrl-C restores the
     initial parameters.
@@ -136,7 +136,7 @@ def _tune_running(
         parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
         client = TuningClient(parameter_client, estimates, executor, StopSignal())
         try:
-            return tune(client, client.compensation, client.estimator, plan, report, follow)
+            return tune(client, client.compensation, plan, report, follow)
         except TuningInterruptedError:
             raise UserError("interrupted; the initial parameters are restored") from None
 

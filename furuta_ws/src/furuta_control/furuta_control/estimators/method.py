@@ -20,6 +20,5 @@ class Method(NamedTuple):
 
     name: str
     meaning: str
-    observes_friction: bool = False
     needs_applied_torque: bool = False
     covers_circle: bool = False

@@ -9,9 +9,11 @@ The scan of the paper has a minus in (8), which would double the friction.
 
 The arm's error φ − reference is limited before it is fed back. An arm that is far away then returns
 at a limited speed, and the pendulum keeps enough of the voltage. For any gain on the error between
-0 and L₁ the loop with the paper's gain is stable. Two rivals of friction compensation are options:
-integral action on that error, and :mod:`furuta_friction.super_twisting` with the correction v. The
-strength k scales the whole compensation, u = −Lx + k(F̂ + v).
+0 and L₁ the loop with the paper's gain is stable. Integral action on that error, a rival of
+friction compensation, is an option. The strength k scales the compensation, u = −Lx + kF̂.
+
+If the drive is known to be late, x is the state when the command acts
+(:mod:`furuta_model.late_drive`).
 """
 
 from dataclasses import dataclass, field
@@ -21,19 +23,23 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from furuta_control.modes.mode import ControlledRig, Gain, fed_back
-from furuta_friction import super_twisting
-from furuta_friction.super_twisting import SuperTwisting, SuperTwistingMemory
 from furuta_model.compiled import inlined
+from furuta_model.late_drive import (
+    DriveMemory,
+    Prediction,
+    SampledDrive,
+    acting_torque,
+    design_drive,
+    design_prediction,
+    forget_voltages,
+    predicted,
+)
+from furuta_model.linear import linearize
 from furuta_model.parameters import OFF_AT_ZERO, About, ParameterError, designed_once
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
 # Time constant with which the strength follows its parameter [s], so that u does not jump.
 STRENGTH_TIME = 0.1
-# Largest integral of super-twisting, relative to its gain [s]: twice the level of friction that the
-# gain is for. Without a limit it is integral action, which lets the pendulum fall.
-INTEGRAL_LIMIT = 2.0 / super_twisting.FRICTION_RATE
-# Strength below which super-twisting rests.
-LEAST_STRENGTH = 1e-3
 
 
 @dataclass
@@ -47,7 +53,7 @@ class BalanceMemory:
         integral: Integral of the arm's error over the integral time [rad].
         begun: Whether the strength has begun at its parameter.
         strength: The strength that acts.
-        super_twisting: Memory of super-twisting.
+        drive: What the drive has been given without the compensation.
     """
 
     balancing: bool = False
@@ -56,7 +62,7 @@ class BalanceMemory:
     integral: float = 0.0
     begun: bool = False
     strength: float = 0.0
-    super_twisting: SuperTwistingMemory = field(default_factory=SuperTwistingMemory)
+    drive: DriveMemory = field(default_factory=DriveMemory)
 
 
 class BalanceParameters(NamedTuple):
@@ -87,25 +93,12 @@ class BalanceParameters(NamedTuple):
     strength: Annotated[
         float,
         About(
-            "scale of the whole compensation, friction estimate and super-twisting: 0 for none, 1 "
-            "as designed; lower it if the compensation shakes the arm, as with a late drive",
+            "scale of the friction estimate: 0 for no compensation, 1 for all of it",
             "",
             0.0,
             4.0,
         ),
     ] = 1.0
-    super_twisting: Annotated[
-        float,
-        About("super-twisting: gain, the largest rate of friction, 0 for off", "V/s", 0.0, 1e4),
-    ] = 0.0
-    super_twisting_bandwidth: Annotated[
-        float,
-        About("super-twisting: bandwidth that limits the gain, 0 for none", "1/s", 0.0, 1e4),
-    ] = 0.0
-    vibration_limit: Annotated[
-        float,
-        About("super-twisting: vibration amplitude above which it is reduced", "V", 1e-3, 1e6),
-    ] = 0.8
     arm_angle_limit: Annotated[
         float, About("arm angle beyond which balancing stops", "rad", 0.01, 1e6)
     ] = 2 * pi
@@ -125,9 +118,8 @@ class BalanceParameters(NamedTuple):
 class Balance(NamedTuple):
     """The mode as :func:`command` uses it: the gain L, its parameters, and what follows from them.
 
-    ``integral_share`` is the sample time over the integral time, 0 without integral action;
-    ``integral_limit`` [V] is that of super-twisting. ``strength_share`` is the part of a change of
-    the strength that a sample makes.
+    ``integral_share`` is the sample time over the integral time, 0 without integral action.
+    ``strength_share`` is the part of a change of the strength that a sample makes.
     """
 
     gain: Gain
@@ -135,8 +127,8 @@ class Balance(NamedTuple):
     catch_samples: int
     integral_share: Annotated[float, OFF_AT_ZERO]
     strength_share: float
-    super_twisting: SuperTwisting
-    integral_limit: float
+    drive: SampledDrive
+    prediction: Prediction
 
 
 @designed_once
@@ -149,16 +141,8 @@ def design(rig: ControlledRig, p: BalanceParameters) -> Balance:
         catch_samples=ceil(p.catch_time / dt),
         integral_share=dt / p.integral_time if p.integral_time > 0.0 else 0.0,
         strength_share=-expm1(-dt / STRENGTH_TIME),
-        super_twisting=super_twisting.design_for_pendulum(
-            p.super_twisting,
-            p.super_twisting_bandwidth,
-            p.vibration_limit,
-            rig.model,
-            rig.viscous,
-            rig.gain,
-            dt,
-        ),
-        integral_limit=min(rig.voltage_limit, INTEGRAL_LIMIT * p.super_twisting),
+        drive=design_drive(rig.drive, dt),
+        prediction=design_prediction(*linearize(rig.model, rig.viscous), rig.drive, dt),
     )
 
 
@@ -217,9 +201,9 @@ def reset(memory: BalanceMemory) -> None:
 
 @inlined
 def forget_integrals(memory: BalanceMemory) -> None:
-    """Forget what was integrated: integral action and super-twisting start again."""
+    """Forget what was integrated, and what the drive has been given."""
     memory.integral = 0.0
-    memory.super_twisting.started = False
+    forget_voltages(memory.drive)
 
 
 @inlined
@@ -234,20 +218,27 @@ def scaled(memory: BalanceMemory, friction: float, p: Balance) -> float:
 @inlined
 def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
     """Command u [V], unsaturated, for state estimate ``x`` and :func:`scaled` ``friction`` [V]."""
+    phi, phi_dot, theta, theta_dot = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
+    if p.prediction.ahead:
+        phi = predicted(memory.drive, x, PHI, p.prediction)
+        phi_dot = predicted(memory.drive, x, PHI_DOT, p.prediction)
+        theta = predicted(memory.drive, x, THETA, p.prediction)
+        theta_dot = predicted(memory.drive, x, THETA_DOT, p.prediction)
     limit = p.parameters.arm_error_limit
-    error = min(max(x[PHI] - p.parameters.arm_reference, -limit), limit)
-    u = fed_back(friction, error, x, p.gain)
+    error = min(max(phi - p.parameters.arm_reference, -limit), limit)
+    u = fed_back(friction, error, phi_dot, theta, theta_dot, p.gain)
     if p.integral_share > 0.0:
         integral = memory.integral + p.integral_share * error
         memory.integral = min(max(integral, -limit), limit)
         u -= p.gain.l1 * memory.integral
-    if memory.strength < LEAST_STRENGTH:
-        memory.super_twisting.started = False
-    elif p.super_twisting.rate_bound > 0.0:
-        u += super_twisting.correction(
-            memory.super_twisting, x, error, memory.strength, p.integral_limit, p.super_twisting
-        )
     return u
+
+
+@inlined
+def remember(memory: BalanceMemory, u: float, friction: float, p: Balance) -> None:
+    """Remember the command u [V] as sent, with the ``friction`` [V] that it compensates."""
+    if p.prediction.ahead:
+        acting_torque(memory.drive, u - friction, p.drive)
 
 
 @inlined

@@ -102,4 +102,4 @@ def can_catch(x: np.ndarray, limits: ArmLimits, p: Catching) -> bool:
 def command(x: np.ndarray, friction: float, p: Catching) -> float:
     """Command u [V], unsaturated, for state ``x`` and friction estimate [V]."""
     error = min(max(x[PHI] - p.arm_reference, -ARM_ERROR), ARM_ERROR)
-    return fed_back(friction, error, x, p.gain)
+    return fed_back(friction, error, x[PHI_DOT], x[THETA], x[THETA_DOT], p.gain)

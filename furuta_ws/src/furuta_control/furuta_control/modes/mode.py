@@ -2,11 +2,9 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from furuta_model.compiled import inlined
+from furuta_model.late_drive import LateDrive
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI_DOT, THETA, THETA_DOT
 
 # What a mode does in a sample, and its name for those who watch: the phases of the swing-up.
 OFF, SWINGING, CATCHING, BALANCING, BRAKING = range(5)
@@ -23,12 +21,13 @@ class Gain(NamedTuple):
 
 
 class ControlledRig(NamedTuple):
-    """What every mode is told: model with its friction [V s/rad], range [V], L, sample time [s]."""
+    """What every mode is told: model with its friction [V s/rad], range [V], L, drive, time [s]."""
 
     model: FurutaPendulum
     viscous: float
     voltage_limit: float
     gain: Gain
+    drive: LateDrive
     sample_time: float
 
 
@@ -41,12 +40,8 @@ class Mode(NamedTuple):
 
 
 @inlined
-def fed_back(friction: float, error: float, x: np.ndarray, gain: Gain) -> float:
-    """Command u [V] for a friction estimate [V], arm error [rad] and state ``x``, eq. (8)."""
-    return (
-        friction
-        - gain.l1 * error
-        - gain.l2 * x[PHI_DOT]
-        - gain.l3 * x[THETA]
-        - gain.l4 * x[THETA_DOT]
-    )
+def fed_back(
+    friction: float, error: float, phi_dot: float, theta: float, theta_dot: float, gain: Gain
+) -> float:
+    """Command u [V] for a friction estimate [V], arm error [rad] and state, eq. (8)."""
+    return friction - gain.l1 * error - gain.l2 * phi_dot - gain.l3 * theta - gain.l4 * theta_dot

@@ -17,7 +17,7 @@ from furuta_model.friction.levels import with_levels
 from furuta_model.friction.lugre import stribeck_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import About
-from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
+from furuta_model.state import PHI_DOT
 
 # The factors stay between 1/3 and 3. Larger errors are errors of the model, not of the level.
 LARGEST_FACTOR = 3.0
@@ -54,10 +54,12 @@ def design(joint: Joint, p: AdaptiveParameters) -> Adaptive:
 
 
 @inlined
-def estimate(bristle: BristleMemory, memory: AdaptiveMemory, x: np.ndarray, p: Adaptive) -> float:
-    """F̂ [V]; the levels move towards the observed friction."""
+def estimate(
+    bristle: BristleMemory, memory: AdaptiveMemory, x: np.ndarray, observed: float, p: Adaptive
+) -> float:
+    """F̂ [V]; the levels move towards the ``observed`` friction [V]."""
     force = observe(bristle, x, adapted(memory, p.joint.friction), p.joint)
-    _adapt(bristle, memory, x, force, p)
+    _adapt(bristle, memory, x[PHI_DOT], observed, force, p)
     return force
 
 
@@ -73,14 +75,19 @@ def adapted(memory: AdaptiveMemory, p: Friction) -> Friction:
 
 @inlined
 def _adapt(
-    bristle: BristleMemory, memory: AdaptiveMemory, x: np.ndarray, force: float, p: Adaptive
+    bristle: BristleMemory,
+    memory: AdaptiveMemory,
+    v: float,
+    observed: float,
+    force: float,
+    p: Adaptive,
 ) -> None:
     """Adapt the level of the present direction to the observed friction.
 
     Only while the bristle slides. In presliding F̂ depends on σ₀ and σ₁. Errors in them, and the
     delay of the observed friction at a reversal, would look like an error of the level.
     """
-    v, observed, friction = x[PHI_DOT], x[OBSERVED_FRICTION], p.joint.friction
+    friction = p.joint.friction
     if v == 0.0 or isnan(observed):
         return
     forward = v > 0.0

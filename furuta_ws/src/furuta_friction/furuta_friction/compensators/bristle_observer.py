@@ -42,7 +42,14 @@ def estimate(memory: BristleMemory, x: np.ndarray, p: Joint) -> float:
 @inlined
 def observe(memory: BristleMemory, x: np.ndarray, p: Friction, joint: Joint) -> float:
     """Move ẑ by one sample and return F̂ [V], with the friction parameters ``p``."""
-    v, correction = x[PHI_DOT], -joint.observer_gain * x[PHI]
+    v = x[PHI_DOT]
+    return dry_friction(memory, v, x[PHI], p, joint) + p.viscous * v
+
+
+@inlined
+def dry_friction(memory: BristleMemory, v: float, angle: float, p: Friction, joint: Joint) -> float:
+    """The same without viscous friction, for speed v [rad/s] and arm ``angle`` [rad]."""
+    correction = -joint.observer_gain * angle
     level = stribeck_level(v, p)
     z, _, _ = stretched(v, v + correction, memory.z, joint.sample_time, level, p)
     highest = highest_level(p)
@@ -50,4 +57,4 @@ def observe(memory: BristleMemory, x: np.ndarray, p: Friction, joint: Joint) -> 
     z = min(max(z, -limit), limit)
     memory.z = z
     force = p.sigma0 * z + p.sigma1 * (deflection_rate(v, abs(v), z, level, p) + correction)
-    return min(max(force, -highest), highest) + p.viscous * v
+    return min(max(force, -highest), highest)

@@ -12,13 +12,12 @@ from furuta_friction.compensator import Joint
 from furuta_friction.compensators import coulomb
 from furuta_model.compiled import inlined
 from furuta_model.friction.levels import direction_factor, static_level
-from furuta_model.state import OBSERVED_FRICTION, PHI_DOT
+from furuta_model.state import PHI_DOT
 
 
 @inlined
-def estimate(x: np.ndarray, p: Joint) -> float:
-    """F̂ [V]; 0 at rest if the observed friction is NaN."""
-    observed = x[OBSERVED_FRICTION]
+def estimate(x: np.ndarray, observed: float, p: Joint) -> float:
+    """F̂ [V] for the ``observed`` friction [V]; 0 at rest if that is NaN."""
     if abs(x[PHI_DOT]) > p.friction.stribeck_velocity:
         return coulomb.estimate(x, p)
     if isnan(observed):

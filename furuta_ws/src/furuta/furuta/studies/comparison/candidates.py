@@ -8,12 +8,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from furuta.settings.parameter_names import Match, by_node, parameters_named
-from furuta.settings.recommended import RECOMMENDED, recommended_values
 from furuta.settings.settings import (
     Settings,
     default_settings,
     load_settings,
-    loop,
     merge_settings,
 )
 from furuta_friction.compensation import COMPENSATIONS
@@ -45,25 +43,27 @@ def _standard(compensation: str, **controller: Any) -> dict[str, Any]:
 # Averaged over its period, dither smooths friction (Pervozvanski and Canudas de Wit, Automatica 38,
 # 2002). At 20 Hz 4 V are needed on the paper's rig.
 _DITHER = {"excitation.kind": "sine", "excitation.amplitude": 4.0, "excitation.period": 0.05}
-# Every compensation with its parameters as they are set, methods without a friction estimate, and
-# the recommended setting, which follows from the model of the settings.
+# Every compensation with its parameters as they are set, and methods without a friction estimate.
 STANDARD = {name: _standard(name) for name in COMPENSATIONS} | {
-    "combined_twisting": _standard("combined", super_twisting=1.0),
-    "super_twisting": _standard("none", super_twisting=10.0),
     "integral": _standard("none", integral_time=5.0),
-    RECOMMENDED: {},
     "dither": _standard("none", **_DITHER),
 }
 # Without any compensation, whatever the settings add to it.
-UNCOMPENSATED = Candidate("uncompensated", _standard("none", super_twisting=0.0))
-# Strengths of the recommended setting, among which the best one of a rig is searched.
-STRENGTHS = (0.0, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0)
+UNCOMPENSATED = Candidate("uncompensated", _standard("none"))
+# Bandwidths [1/s] of the recommended compensation, among which the best one of a rig is searched;
+# 0: no compensation.
+BANDWIDTHS = (0.0, 12.5, 25.0, 35.0, 50.0, 70.0, 100.0)
 
 
-def strength_candidates(settings: Settings) -> tuple[Candidate, ...]:
-    """The recommended setting with each of :data:`STRENGTHS`."""
-    values = recommended_values(loop(settings), settings.chosen())
-    return tuple(Candidate(f"{k:g}", values | {"controller.strength": k}) for k in STRENGTHS)
+def bandwidth_candidates() -> tuple[Candidate, ...]:
+    """The recommended compensation with each of :data:`BANDWIDTHS`."""
+    recommended = STANDARD["recommended"]
+    return tuple(
+        Candidate(
+            f"{k:g}", recommended | {"friction_observer.bandwidth": k} if k else UNCOMPENSATED[1]
+        )
+        for k in BANDWIDTHS
+    )
 
 
 def parse_candidates(texts: Iterable[str], settings: Settings) -> tuple[Candidate, ...]:
@@ -89,8 +89,6 @@ def _parse(text: str, settings: Settings) -> Candidate:
     name, separator, rest = text.partition("=")
     name = name.strip()
     if not separator and name in STANDARD:
-        if name == RECOMMENDED:
-            return Candidate(name, recommended_values(loop(settings), settings.chosen()))
         return Candidate(name, STANDARD[name])
     if not name or not rest.strip():
         raise ParameterError(

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.studies.comparison.candidates import STRENGTHS
+from furuta.studies.comparison.candidates import BANDWIDTHS
 from furuta.studies.comparison.comparison import Table
 
 
@@ -75,10 +75,10 @@ def comparison_report(
     return report
 
 
-def best_strengths(table: Table) -> list[dict[str, Any]]:
-    """The best of :data:`STRENGTHS`, the candidates, on each rig; NaN if it falls with all."""
-    sizes, names = table.residual.min(axis=0), ("rig", "best_strength", "residual_at_best_rad")
-    best = np.where(np.isinf(sizes), nan, np.array(STRENGTHS)[table.residual.argmin(axis=0)])
+def best_bandwidths(table: Table) -> list[dict[str, Any]]:
+    """The best of :data:`BANDWIDTHS`, the candidates, on each rig; NaN if it falls with all."""
+    sizes, names = table.residual.min(axis=0), ("rig", "best_bandwidth", "residual_at_best_rad")
+    best = np.where(np.isinf(sizes), nan, np.array(BANDWIDTHS)[table.residual.argmin(axis=0)])
     rows = zip(table.rigs, best.tolist(), sizes.tolist(), strict=True)
     return [dict(zip(names, row, strict=True)) for row in rows]
 

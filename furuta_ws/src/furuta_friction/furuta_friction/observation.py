@@ -1,0 +1,168 @@
+r"""Observes the friction that acts now, from the arm's speed and the torque that acts on it.
+
+.. math::
+    s = \frac{1}{b}\Bigl(\dot φ - \int (A_{\dot φ}\,x + b(τ - m - r))\,dt\Bigr), \qquad
+    r = -ks + w, \qquad \dot w = -0.7\,k^2 s
+
+τ is the torque behind delay and lag of the drive, m a part of the friction that is modelled, and r
+the rest, which is observed with the bandwidth k [1/s]. The loop of this observer does not lead
+through the drive, so a late drive does not make it oscillate. s [V s] passes a low-pass filter with
+the rate 3k: between motor and arm a belt turns the phase by half a turn, and without the filter the
+compensation would drive its vibration. A vibration that is sustained nevertheless reduces k
+(:mod:`furuta_friction.vibration`).
+"""
+
+from dataclasses import dataclass, field
+from math import expm1, inf, isnan
+from typing import NamedTuple
+
+import numpy as np
+
+from furuta_friction import vibration
+from furuta_friction.vibration import Vibration, VibrationMemory, part_without_vibration
+from furuta_model.compiled import inlined
+from furuta_model.late_drive import (
+    DriveMemory,
+    LateDrive,
+    SampledDrive,
+    acting_torque,
+    design_drive,
+    forget_voltages,
+)
+from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, THETA, THETA_DOT
+
+# Gain of the integral relative to the square of the bandwidth; rate of the low-pass filter relative
+# to the bandwidth; most of the bandwidth in a sample.
+INTEGRAL, ROLL_OFF, LARGEST_STEP = 0.7, 3.0, 0.1
+# Part of the bandwidth at the start of a compensation, so that it does not excite a vibration.
+FIRST_PART = 0.25
+# Vibration that is accepted, relative to the highest level of the friction model.
+ACCEPTED_VIBRATION = 1.7
+SMALLEST_VIBRATION = 1e-3  # [V]
+# Pendulum angle within which the linear model holds [rad].
+UPRIGHT = 0.7
+
+
+class Body(NamedTuple):
+    """What is known of the joint: A (4, 4) and b (4,) of ẋ = Ax + b(τ − F), drive, sample time.
+
+    The model holds while the third state is at most ``range``.
+    """
+
+    a: np.ndarray
+    b: np.ndarray
+    drive: LateDrive
+    dt: float
+    range: float = UPRIGHT
+
+
+class Observation(NamedTuple):
+    """The sampled observer: row of A, b and 1/b of φ̇, bandwidth, limit of the integral [V]."""
+
+    a1: float
+    a2: float
+    a3: float
+    a4: float
+    b: float
+    inertia: float
+    dt: float
+    bandwidth: float
+    share: float
+    limit: float
+    range: float
+    first_part: float
+    drive: SampledDrive
+    vibration: Vibration
+
+
+@dataclass
+class ObservationMemory:
+    """What the observer remembers.
+
+    Attributes:
+        started: Whether it has started.
+        speed: Speed of the arm if the friction were as observed [rad/s].
+        drift: Its acceleration without the torque until the next sample [rad/s²].
+        sliding: s [V s].
+        integral: w [V].
+        rest: r [V].
+        drive: What the drive has been given, without the modelled part of the friction.
+        vibration: Memory of the detector.
+    """
+
+    started: bool = False
+    speed: float = 0.0
+    drift: float = 0.0
+    sliding: float = 0.0
+    integral: float = 0.0
+    rest: float = 0.0
+    drive: DriveMemory = field(default_factory=DriveMemory)
+    vibration: VibrationMemory = field(default_factory=VibrationMemory)
+
+
+def limited(bandwidth: float, dt: float) -> float:
+    """The bandwidth [1/s] that samples of ``dt`` [s] allow."""
+    return min(bandwidth, LARGEST_STEP / dt)
+
+
+def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool) -> Observation:
+    """The observer of a body, whose integral has a ``limit`` [V].
+
+    If what it observes ``acts`` on the body, a vibration beyond what suits the ``level`` of
+    friction [V] reduces it.
+    """
+    a1, a2, a3, a4 = body.a[PHI_DOT].tolist()
+    accepted = max(ACCEPTED_VIBRATION * level, SMALLEST_VIBRATION) if acts else inf
+    return Observation(
+        a1=a1,
+        a2=a2,
+        a3=a3,
+        a4=a4,
+        b=float(body.b[PHI_DOT]),
+        inertia=1.0 / float(body.b[PHI_DOT]) if body.b[PHI_DOT] else 0.0,
+        dt=body.dt,
+        bandwidth=bandwidth,
+        share=-expm1(-ROLL_OFF * bandwidth * body.dt),
+        limit=limit,
+        range=body.range,
+        first_part=FIRST_PART if acts else 1.0,
+        drive=design_drive(body.drive, body.dt),
+        vibration=vibration.design(accepted, body.dt),
+    )
+
+
+@inlined
+def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observation) -> float:
+    """The rest r [V] of the friction in state ``x`` (5,), where the torque is that applied.
+
+    ``model`` [V] is the modelled friction in that torque. Far from upright, or if a number is
+    unknown, the rest is NaN and the observer starts anew.
+    """
+    v, voltage = x[PHI_DOT], x[APPLIED_TORQUE] - model
+    known = abs(x[THETA]) <= p.range and not isnan(voltage + x[THETA_DOT])
+    torque = acting_torque(memory.drive, voltage if known else 0.0, p.drive)
+    if not known:
+        memory.started = False
+        return np.nan
+    if memory.started:
+        memory.speed += p.dt * (memory.drift + p.b * torque)
+    else:
+        memory.started, memory.speed = True, v
+        memory.sliding = memory.integral = memory.rest = 0.0
+        memory.vibration.part = p.first_part
+    memory.sliding += p.share * (p.inertia * (v - memory.speed) - memory.sliding)
+    gained = p.bandwidth * memory.sliding
+    part = part_without_vibration(memory.vibration, gained, p.vibration)
+    w = memory.integral - INTEGRAL * p.dt * p.bandwidth * gained * part * part
+    memory.integral = min(max(w, -p.limit), p.limit)
+    memory.rest = memory.integral - part * gained
+    free = p.a1 * x[PHI] + p.a2 * v + p.a3 * x[THETA] + p.a4 * x[THETA_DOT]
+    memory.drift = free - p.b * memory.rest
+    return memory.rest
+
+
+@inlined
+def restart(memory: ObservationMemory) -> None:
+    """Begin anew with the next sample; what the drive has been given is forgotten."""
+    memory.started = False
+    forget_voltages(memory.drive)
