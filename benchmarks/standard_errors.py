@@ -92,7 +92,7 @@ def rig(seed: int) -> Judged:
     values, true = summary(model), truth(sample)
     given = values["standard_errors"]
     errors = {name: given[name] for name in true if given[name] and values[name] is not None}
-    usable = verdict([model.predict(each) for each in model.recordings])["usable"]
+    usable = verdict([model.predict(each) for each in model.recordings]).usable
     groups = ["all fits"]
     if usable == "yes":
         several = not has_one_level(model.recordings)
@@ -116,7 +116,7 @@ def drive(seed: int) -> Judged:
     travel = float(np.ptp(recording.measured[:, 0]))
     gravity = travel < GRAVITY_TRAVEL and (sample.gravity_sin or sample.gravity_cos)
     if gravity or (sample.wave and sample.order * travel < 2.0 * np.pi):
-        return judged._replace(groups=())
+        return judged._replace(remark="its travel does not tell its effects", groups=())
     return judged._replace(groups=(*judged.groups, *(motion for _ in judged.groups[:1])))
 
 

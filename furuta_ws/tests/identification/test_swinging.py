@@ -151,12 +151,12 @@ def test_a_value_at_the_end_of_its_range_is_no_result(model: Model) -> None:
 
 def test_the_verdict_looks_at_the_arm(model: Model) -> None:
     good = [model.predict(recording) for recording in model.recordings]
-    assert verdict(good)["usable"] == "yes"
+    assert verdict(good).usable == "yes"
     wrong = good[0].predicted.copy()
     wrong[:, :2] = 0.0
     judged = verdict([Prediction(good[0].recording, wrong)])
-    assert judged["usable"] == "no"
-    assert "fit of the arm" in judged["reasons"][0]
+    assert judged.usable == "no"
+    assert "fit of the arm" in judged.reasons[0]
 
 
 def test_coloured_residuals_are_doubtful(model: Model) -> None:
@@ -168,8 +168,8 @@ def test_coloured_residuals_are_doubtful(model: Model) -> None:
         wrong = recording.measured.copy()
         wrong[:, THETA] += size * error
         judged = verdict([Prediction(recording, wrong)])
-        assert judged["usable"] == usable
-        assert ("coloured" in str(judged["reasons"])) == (usable == "doubtful")
+        assert judged.usable == usable
+        assert ("coloured" in str(judged.reasons)) == (usable == "doubtful")
 
 
 def test_the_delay_is_not_negative(model: Model) -> None:
@@ -204,7 +204,7 @@ def test_a_real_rig() -> None:
     names = Mapping("joint0", "joint1", "effort_control")
     model, fitted, held_out = identify_files((SINE,), (step,), names, Options(zero="hanging"))
     assert summary(model)["natural_frequency_rad_s"] == pytest.approx(9.35, rel=0.01)
-    assert verdict(fitted)["usable"] == "yes"
+    assert verdict(fitted).usable == "yes"
     for (prediction,), least in ((fitted, 98.0), (held_out, 96.0)):
         fits = prediction.fits()
         assert min(fits["arm angle"], fits["pendulum angle"]) > least

@@ -121,7 +121,7 @@ def namespace_of(joint: str) -> str:
 def _about(fit: AxisFit, controller: Controller | None) -> Iterator[str]:
     """Where the values of a joint are from, as comments."""
     names = ", ".join(recording.name for recording in fit.recordings)
-    yield f"# From {_one_line(names)}. Usable: {'; '.join([fit.usable, *fit.reasons])}."
+    yield f"# From {_one_line(names)}. Usable: {fit.verdict.sentence()}."
     yield from (f"# {_one_line(finding)}." for finding in fit.findings)
     suited = "the controller below" if controller else f"poles at about {POLES:g} 1/s"
     yield f"# Found values have their standard errors. Those of bristle and rates suit {suited}."

@@ -203,7 +203,7 @@ def command(
 
         fit = _fit(records, columns, next(iter(joints), None))
         result["identified"] = _report(fit, as_json)
-        _refuse_unusable(fit, force)
+        _require_usable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
         axes = drawn_axes(fit)
         others = axes[:COMPARED]
@@ -282,7 +282,7 @@ def _identify(
         return _identify_joints(records, columns, joints, force, as_json)
     fit = _fit(records, columns, next(iter(joints), None))
     show(_report(fit, as_json), as_json)
-    _refuse_unusable(fit, force)
+    _require_usable(fit, force)
     return [fit]
 
 
@@ -298,7 +298,7 @@ def _identify_joints(
         try:
             fit = _fit(records, columns, joint)
             reports[joint] = fit.report()
-            _refuse_unusable(fit, force)
+            _require_usable(fit, force)
             fits.append(fit)
         except (ParameterError, UserError) as error:
             reports.setdefault(joint, {"usable": "no", "reasons": [str(error)]})
@@ -326,11 +326,9 @@ def _save(
         write_joint_file(path, named, controller, recommended)
 
 
-def _refuse_unusable(fit: AxisFit, force: bool) -> None:
-    from furuta.identification.result.report import UNUSABLE
-
-    if fit.usable == UNUSABLE and not force:
-        raise UserError(f"not usable: {'; '.join(fit.reasons)}; --force uses it all the same")
+def _require_usable(fit: AxisFit, force: bool) -> None:
+    if not force:
+        fit.verdict.require("; --force uses it all the same")
 
 
 def _proof(axis: Axis, controller: Controller, speed: float) -> dict[str, Any]:

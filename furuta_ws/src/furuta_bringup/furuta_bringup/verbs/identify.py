@@ -2,7 +2,6 @@
 
 from math import isfinite, nan, radians
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -13,7 +12,6 @@ from furuta_bringup.printing import escaped, print_json, show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_recordings.readers.mapping import NO_COMMAND
-from furuta_ros.errors import UserError
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
 
@@ -120,7 +118,8 @@ def command(
     from rich.markup import escape
 
     from furuta.identification.identify import free_swing_of_files, identify_files
-    from furuta.identification.result.report import UNUSABLE, full_report, report_lines
+    from furuta.identification.result.report import full_report, report_lines, verdict_of
+    from furuta.identification.verdict import NO
     from furuta_hw.rigs.known_rigs import find_rig
 
     options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
@@ -134,7 +133,7 @@ def command(
             raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
         swing = free_swing_of_files(paths, names, options).as_json()
         show(swing, as_json)
-        _refuse_unusable(swing["verdict"])
+        verdict_of(swing).require()
         return
     given = find_rig(base) if base else None
     console = Console(stderr=True)
@@ -159,9 +158,8 @@ def command(
 
         draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
-    verdict = result["verdict"]
-    usable = verdict["usable"] != UNUSABLE
-    if write is not None and usable:
+    verdict = verdict_of(result)
+    if write is not None and verdict.usable != NO:
         from furuta.identification.result.identified_rig import write_rig
 
         result["findings"] += write_rig(model, write, given, paths[0], verdict)
@@ -170,12 +168,4 @@ def command(
         print_json(result)
     else:
         print(*map(escaped, report_lines(result)), sep="\n")
-    _refuse_unusable(verdict)
-
-
-def _refuse_unusable(verdict: dict[str, Any]) -> None:
-    """Raise :class:`UserError` with the reasons if a result is not usable."""
-    from furuta.identification.result.report import UNUSABLE
-
-    if verdict["usable"] == UNUSABLE:
-        raise UserError(f"not usable: {'; '.join(verdict['reasons'])}")
+    verdict.require()

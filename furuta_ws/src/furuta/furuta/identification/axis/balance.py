@@ -27,6 +27,7 @@ from furuta.identification.axis.effects import (
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
 from furuta.identification.axis.start import SLIDES
 from furuta.identification.least_squares import Fit, Linearised, State
+from furuta.identification.regression.windows import Windows, shortest
 from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Key, Unknowns, Values
 from furuta_model.state import PHI
@@ -35,6 +36,10 @@ from furuta_recordings.recording import Recording
 # Shortest and longest bump [s], and noise of the acceleration relative to it that is small: a
 # regression makes the inertia too small by the square of it.
 SHORTEST, LONGEST, SMALL = 0.2, 1.0, 0.05
+# Fewest samples of a bump.
+FEWEST_SAMPLES = 12.0
+# Part of a window's weight that need not slide in one direction: rounding.
+ROUNDING = 1e-9
 # Length [s] of a block of the jackknife, fewest blocks for each unknown, more than a recording has;
 # bumps begin by this part of their length apart.
 BLOCK, FEWEST_BLOCKS, MANY, APART = 0.5, 2.0, 10**9, 0.25
@@ -69,6 +74,8 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     It has no delay, which a slow motion does not show.
     """
     keys = [key for key in about.unknowns.keys if key not in TESTED]
+    if min(map(_longest, recordings)) < SHORTEST:
+        return None
     rows = _rows(recordings, scales)
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
@@ -84,28 +91,24 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     return Balance(best, _covariance_with_missed(rows, best, scales, [("delay",), *groups]), part)
 
 
-def _bump(length: float, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Weights of a sum that average a series, and those of its first two derivatives.
-
-    As differences they give exactly 0 for a constant, however large.
-    """
-    half = max(round(0.5 * length / step), 6)
-    value = np.pad((1.0 - np.linspace(-1.0, 1.0, 2 * half + 1) ** 2) ** 4, 1)
-    value /= np.sum(value)
-    return value, -np.gradient(value) / step, np.diff(np.pad(value, 1), 2) / step**2
-
-
 def _bump_length(recording: Recording) -> float:
     """The shortest length [s] at which the noise of the position hardly changes the inertia."""
-    part, length = smoothed(recording), SHORTEST
+    part = smoothed(recording)
+    step = part.time[1] - part.time[0]
+    length, longest = max(SHORTEST, FEWEST_SAMPLES * step), min(LONGEST, _longest(recording))
     position = np.interp(part.time, recording.time, recording.measured[:, PHI])
-    while length < LONGEST:
-        _, _, second = _bump(length, part.time[1] - part.time[0])
-        found = np.convolve(position, second, "valid") if len(second) < len(position) else position
-        if position_noise(recording) * np.linalg.norm(second) < SMALL * np.std(found):
+    while length < longest:
+        windows = Windows(part.time, length)
+        size = np.std(windows.curvature(position))
+        if position_noise(recording) * windows.curvature_noise() < SMALL * size:
             break
         length *= 1.5
-    return min(length, LONGEST)
+    return min(length, longest)
+
+
+def _longest(recording: Recording) -> float:
+    """The longest bump [s] of which a recording holds enough."""
+    return recording.duration / shortest(1.0)
 
 
 def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
@@ -115,17 +118,15 @@ def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
     slow = SLIDES * max(float(np.max(np.abs(part.speed))) for part in parts)
     gathered, blocks = [], []
     for number, (recording, part) in enumerate(zip(recordings, parts, strict=True)):
-        bump = _bump(length, part.time[1] - part.time[0])
-        columns = _columns(bump, recording, part, scales)
+        windows = Windows(part.time, length, APART)
+        columns = _columns(windows, recording, part, scales)
         for other in range(len(parts)):
             columns["offset", other] = np.full(len(columns["torque"]), float(other == number))
         slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
         slides *= _has_samples(recording, part.time)
-        width = len(bump[0])
-        whole = np.abs(np.convolve(slides, np.ones(width), "valid")) > width - 0.5
-        whole &= np.arange(len(whole)) % max(int(APART * width), 1) == 0
+        whole = np.abs(windows.mean(slides)) > 1.0 - ROUNDING
         gathered.append({name: column[whole] for name, column in columns.items()})
-        blocks.append(MANY * number + (part.time[: len(whole)][whole] - part.time[0]) // BLOCK)
+        blocks.append(MANY * number + (windows.starts[whole] - part.time[0]) // BLOCK)
     joined = {name: np.concatenate([each[name] for each in gathered]) for name in gathered[0]}
     return _Rows(joined, joined.pop("torque"), np.concatenate(blocks))
 
@@ -138,22 +139,19 @@ def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
 
 
 def _columns(
-    bump: Sequence[np.ndarray], recording: Recording, part: Smoothed, scales: Scales
+    windows: Windows, recording: Recording, part: Smoothed, scales: Scales
 ) -> dict[Key, np.ndarray]:
-    """The torque, and what each unknown contributes to it, averaged over bumps."""
-
-    def mean(series: np.ndarray, order: int = 0) -> np.ndarray:
-        return np.correlate(series, bump[order], "valid")
-
+    """The torque, and what each unknown contributes to it, averaged over windows."""
+    mean = windows.mean
     torque = recording.commanded_at(part.time)
     q = np.interp(part.time, recording.time, recording.measured[:, PHI])
-    speed, side = mean(q, 1), np.sign(mean(part.speed))
+    speed, side = -windows.slope(q), np.sign(mean(part.speed))
     return {
         "torque": mean(torque),
-        "inertia": mean(q, 2),
+        "inertia": windows.curvature(q),
         "alpha0": side,
         "viscous": speed,
-        "delay": mean(torque, 1),
+        "delay": -windows.slope(torque),
         "gravity_sin": mean(np.sin(q)),
         "gravity_cos": mean(np.cos(q)),
         "spring": mean(q),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +31,7 @@ from furuta.identification.errors import quantisation_step
 from furuta.identification.least_squares import COARSE, Fit
 from furuta.identification.selection import chance_of, significance
 from furuta.identification.unknowns import Key, field_of, name_of
+from furuta.identification.verdict import DOUBTFUL, NO, Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned
@@ -53,7 +54,7 @@ EXPLAINED, REWEIGHTED = 1.3, 2
 EXCESSIVE = 0.7
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
 # doubtful, useless, or not worth a fit; where the residuals are noise, it does not matter.
-DOUBTFUL, USELESS, UNEXPLAINED = 0.005, 0.15, 0.6
+DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
 # Fewest segments for each unknown, and largest standard error of a usable inertia.
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
@@ -88,6 +89,11 @@ class AxisFit(NamedTuple):
     part: float
     fit: Fit
     recordings: tuple[Recording, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the values are usable, and why not."""
+        return Verdict(self.usable, self.reasons)
 
     def error(self, recording: Recording, own_offset: bool = False) -> float:
         """Root mean square error of the free run over a recording, in the unit of position.
@@ -136,7 +142,7 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
         cut = _reweighted(cut, base)
         base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
     best = base
-    if part <= UNEXPLAINED or torques is None or torques.part <= UNEXPLAINED:
+    if part <= UNEXPLAINED_PART or torques is None or torques.part <= UNEXPLAINED_PART:
         best = supported(cut, base, scales, drift=len(ready) == 1)
         if best.rms < EXCESSIVE:
             cut = _reweighted(cut, best)
@@ -146,11 +152,11 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
             prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
             best = min(best, prompt, key=lambda each: each.cost)
     part = best.rms * _noise(cut) / _forced_motion(cut)
-    if part <= USELESS:
+    if part <= USELESS_PART:
         return _result(ready, cut, best, scales, sensor)
-    if torques is not None and torques.part <= USELESS and torques.fit.values["inertia"] > 0.0:
+    if torques is not None and torques.part <= USELESS_PART and torques.fit.values["inertia"] > 0.0:
         return _result(ready, cut, base, scales, sensor, torques)
-    if part > UNEXPLAINED:
+    if part > UNEXPLAINED_PART:
         raise ParameterError(
             f"{ready[0].name}: the torque does not explain how the axis moves; check sign, column "
             "and clock of the torque"
@@ -309,7 +315,7 @@ def _result(
             "record a motion that accelerates"
         )
     noises = left / sensor if torques is None else np.inf
-    usable, reasons = _verdict(best, noises, part, errors["inertia"] / values["inertia"])
+    verdict = Verdict.of(_doubts(best, noises, part, errors["inertia"] / values["inertia"]))
     findings = findings_of(recordings)
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
@@ -321,8 +327,7 @@ def _result(
         undetermined,
         tuple(map(name_of, best.unknowns.keys)),
         covered * np.outer(best.unknowns.all("size"), best.unknowns.all("size")),
-        usable,
-        reasons,
+        *verdict,
         findings,
         quantisation_step(recordings[0].measured[:, PHI]),
         hidden,
@@ -358,26 +363,24 @@ def _together(key: Key, best: Fit) -> Group:
     return group if key in group and set(group) <= set(best.unknowns.keys) else (key,)
 
 
-def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tuple[str, list[str]]:
-    """Whether the values are usable, and why not."""
-    reasons, usable = [], "yes"
-    if noises > EXPLAINED and part > DOUBTFUL:
-        usable = "no" if part > USELESS else "doubtful"
+def _doubts(
+    best: Fit, noises: float, part: float, inertia_error: float
+) -> Iterator[tuple[str, str]]:
+    """What makes the values less usable."""
+    if noises > EXPLAINED and part > DOUBTFUL_PART:
         of = "torque"
         if np.isfinite(noises):
             of = f"motion, {noises:.1f} times the noise of the position"
-        reasons.append(
+        yield (
+            NO if part > USELESS_PART else DOUBTFUL,
             f"the model leaves {100.0 * part:.1f} % of the {of}: something acts that it does not "
-            "have"
+            "have",
         )
     segments, unknown = best.segments, len(best.unknowns)
     if segments < FEWEST_SEGMENTS * unknown:
-        usable = "doubtful" if usable == "yes" else usable
-        reasons.append(f"{segments} segments for {unknown} unknowns: record for longer")
+        yield DOUBTFUL, f"{segments} segments for {unknown} unknowns: record for longer"
     if inertia_error > LARGEST_ERROR:
-        usable = "doubtful" if usable == "yes" else usable
-        reasons.append(f"the inertia is known to {100.0 * inertia_error:.0f} % only")
-    return usable, reasons
+        yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
 
 
 def _noise(cut: Segments) -> float:

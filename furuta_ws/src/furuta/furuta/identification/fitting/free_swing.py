@@ -32,7 +32,7 @@ from furuta.identification.errors import noise_of, quantisation_step
 from furuta.identification.model import Prediction
 from furuta.identification.options import Options
 from furuta.identification.preparation.angles import AUTO, DEGREES, RADIANS, in_unit
-from furuta.identification.result.report import verdict
+from furuta.identification.result.report import judged
 from furuta.identification.shooting.optimisation import FINE, Optimum, optimise, residual_scale
 from furuta.identification.shooting.unknowns import ParameterValues
 from furuta.identification.uncertainty.covariance import (
@@ -111,7 +111,7 @@ class FreeSwing(NamedTuple):
             **self.values,
             "standard_errors": self.standard_errors,
             "fit": {p.recording.name: p.fits()["pendulum angle"] for p in self.predictions},
-            "verdict": verdict(self.predictions),
+            "verdict": judged(self.predictions),
             "findings": findings_of([p.recording for p in self.predictions]),
         }
 

@@ -20,39 +20,84 @@ BAND = 1.96
 
 
 class Windows:
-    """Integrals weighted by bumps ψ = (1 − s²)³, s from −1 to 1, that overlap by half."""
+    """Averages weighted by bumps ψ ∝ (1 − s²)³, s from −1 to 1, ``apart`` of a length each.
 
-    def __init__(self, time: np.ndarray, length: float = WINDOW) -> None:
+    Derivatives are integrated by parts: of a series only its values count. ``starts`` (k,) [s] are
+    the beginnings of the windows.
+    """
+
+    def __init__(self, time: np.ndarray, length: float = WINDOW, apart: float = 0.5) -> None:
         half = 0.5 * length
-        centres = np.arange(time[0] + half, time[-1] - half, half)
+        centres = np.arange(time[0] + half, time[-1] - half, apart * length)
         if len(centres) < FEWEST_WINDOWS:
             raise ParameterError(
                 f"the recording is too short: {time[-1] - time[0]:.2f} s with data, at least "
-                f"{(FEWEST_WINDOWS + 2) * half:.1f} s needed"
+                f"{shortest(length, apart):.1f} s needed"
             )
         weights = np.gradient(time)
-        self._rows = []
+        self._rows, self._bumps = [], []
+        starts = []
         for centre in centres:
             a, b = np.searchsorted(time, (centre - half, centre + half))
             if a == b:
                 continue
             s = (time[a:b] - centre) / half
-            bump = weights[a:b] * (1.0 - s * s) ** 3
-            bump_slope = weights[a:b] * -6.0 * s * (1.0 - s * s) ** 2 / half
-            self._rows.append((slice(a, b), bump, bump_slope))
+            self._rows.append(slice(a, b))
+            self._bumps.append(_bumps(s, weights[a:b]) / half ** np.arange(3.0)[:, None])
+            starts.append(centre - half)
+        self.starts = np.array(starts)
+
+    def _averaged(self, series: np.ndarray, order: int) -> np.ndarray:
+        pairs = zip(self._rows, self._bumps, strict=True)
+        return np.array(
+            [bumps[order] @ (series[rows] - series[rows.start]) for rows, bumps in pairs]
+        )
 
     def mean(self, series: np.ndarray) -> np.ndarray:
         """∫ψy of each window."""
-        return np.array([bump @ series[rows] for rows, bump, _ in self._rows])
+        pairs = zip(self._rows, self._bumps, strict=True)
+        return np.array([bumps[0] @ series[rows] for rows, bumps in pairs])
 
     def slope(self, series: np.ndarray) -> np.ndarray:
         """∫ψ̇y of each window, which is −∫ψẏ.
 
         The window's first value is subtracted: a constant must not count, even across gaps.
         """
-        return np.array(
-            [bump_slope @ (series[rows] - series[rows.start]) for rows, _, bump_slope in self._rows]
-        )
+        return self._averaged(series, 1)
+
+    def curvature(self, series: np.ndarray) -> np.ndarray:
+        """∫ψ̈y of each window, which is ∫ψÿ; a constant does not count."""
+        return self._averaged(series, 2)
+
+    def curvature_noise(self) -> float:
+        """Standard deviation of a curvature for a series of white noise with that of 1."""
+        return float(np.sqrt(np.mean([bumps[2] @ bumps[2] for bumps in self._bumps])))
+
+
+def _bumps(s: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Weights (3, n) of sums for ∫ψy, ∫ψ̇y and ∫ψ̈y over −1 to 1, whose samples have weights.
+
+    The sums of the derivatives are corrected to be exact for parabolas: an error in proportion to
+    the slope would count as friction.
+    """
+    inside = 1.0 - s * s
+    weights = weights / np.sum(weights * inside**3)
+    bump = weights * inside**3
+    slope = weights * -6.0 * s * inside**2
+    curvature = weights * 6.0 * (5.0 * s * s - 1.0) * inside
+    powers = np.array((np.ones(len(s)), s, s * s))
+    mean = powers @ bump
+    wanted = np.array(((0.0, -mean[0], -2.0 * mean[1]), (0.0, 0.0, 2.0 * mean[0])))
+    derivatives = np.array((slope, curvature))
+    basis = powers * bump
+    missing = wanted - derivatives @ powers.T
+    derivatives += missing @ np.linalg.pinv(basis @ powers.T) @ basis
+    return np.array((bump, *derivatives))
+
+
+def shortest(length: float = WINDOW, apart: float = 0.5) -> float:
+    """Duration [s] of which the windows are just enough."""
+    return (1.0 + apart * FEWEST_WINDOWS) * length
 
 
 class LinearFit(NamedTuple):

@@ -11,6 +11,7 @@ from furuta.identification.model import Model
 from furuta.identification.shooting.unknowns import LUGRE, UNKNOWNS, assumed_spread
 from furuta.identification.uncertainty.identifiability import undetermined
 from furuta.identification.unknowns import Key
+from furuta.identification.verdict import Verdict
 from furuta.pole_choice import quadratic_poles
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_hw.rigs.rig import Rig, RigLine
@@ -121,7 +122,7 @@ def _name_in_rig(key: Key) -> str:
 
 
 def write_rig(
-    model: Model, file: Path, given: Rig | None, source: Path, verdict: dict[str, Any]
+    model: Model, file: Path, given: Rig | None, source: Path, verdict: Verdict
 ) -> list[str]:
     """Write the rig file with sensors, line and limits of the ``given`` rig.
 
@@ -135,7 +136,7 @@ def write_rig(
     rig, uncertainty = identified_rig(model, given)
     comments = [
         "Identified from recordings; load with --rig.",
-        "; ".join([f"Usable: {verdict['usable']}", *verdict["reasons"]]),
+        f"Usable: {verdict.sentence()}",
         *findings,
         *(f"{name}: not determined: {reason}" for name, reason in undetermined(model).items()),
     ]

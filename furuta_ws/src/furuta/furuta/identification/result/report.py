@@ -1,6 +1,6 @@
 """Reports a model: values with standard errors, reasons for those withheld, fits, verdict."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from furuta.identification.uncertainty.identifiability import (
     undetermined,
 )
 from furuta.identification.unknowns import field_of, name_of
+from furuta.identification.verdict import DOUBTFUL, NO, Verdict
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
@@ -26,7 +27,6 @@ SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
 # Part [%] of the residuals' autocorrelations outside the band of white noise from which they are an
 # error of the model, and the fit [%] below which such an error makes the parameters doubtful.
 CLEARLY_COLOURED, DOUBTFUL_COLOURED_FIT = 50.0, 95.0
-UNUSABLE = "no"
 # Change of a derived value over that of an unknown's logarithm, as a part of the value, from which
 # it is withheld with an unknown that is at the end of its range.
 LARGEST_EFFECT = 0.1
@@ -160,19 +160,25 @@ def full_report(
         **summary(model),
         "fit": {p.recording.name: _fits(p) for p in fitted},
         "held_out": {p.recording.name: _fits(p) for p in held_out},
-        "verdict": _with_inertias(verdict(fitted), model),
+        "verdict": judged(fitted, _without_inertias(model)),
     }
 
 
-def _with_inertias(judged: dict[str, Any], model: Model) -> dict[str, Any]:
-    """The verdict; a model is of no use if no coefficient of its body is determined.
+def judged(predictions: list[Prediction], doubts: Iterable[tuple[str, str]] = ()) -> dict[str, Any]:
+    """The verdict, and the coloured part of the residuals [%]."""
+    return {
+        **Verdict.of([*_poor_fits(predictions), *doubts])._asdict(),
+        "coloured_percent": {p.recording.name: _colours(p) for p in predictions},
+    }
+
+
+def _without_inertias(model: Model) -> Iterator[tuple[str, str]]:
+    """A model is of no use if no coefficient of its body is determined.
 
     States that are free at the start of each segment can follow a motion without any command.
     """
-    if not set(FurutaPendulum._fields) <= withheld(model).keys():
-        return judged
-    reasons = [*judged["reasons"], "no coefficient of the body is determined by the data"]
-    return {**judged, "usable": UNUSABLE, "reasons": reasons}
+    if set(FurutaPendulum._fields) <= withheld(model).keys():
+        yield NO, "no coefficient of the body is determined by the data"
 
 
 def _fits(prediction: Prediction) -> dict[str, float]:
@@ -181,13 +187,17 @@ def _fits(prediction: Prediction) -> dict[str, float]:
     return {**fits, "pendulum_angle_first_3_s": first}
 
 
-def verdict(predictions: list[Prediction]) -> dict[str, Any]:
-    """``usable`` (yes, doubtful, no) with ``reasons``, and the ``coloured`` part of residuals [%].
+def verdict(predictions: list[Prediction]) -> Verdict:
+    """Whether a model that predicts so is usable."""
+    return Verdict.of(_poor_fits(predictions))
+
+
+def _poor_fits(predictions: list[Prediction]) -> Iterator[tuple[str, str]]:
+    """Joints that are not followed.
 
     White residuals have 5 % of their autocorrelations outside the band. More show what the model
     lacks: the standard errors count for that, a noise model would not.
     """
-    reasons, worst = [], 100.0
     for prediction in predictions:
         fits, colours = _fits(prediction), _colours(prediction)
         for joint, channels in JOINTS.items():
@@ -195,14 +205,8 @@ def verdict(predictions: list[Prediction]) -> dict[str, Any]:
             coloured = bool(known) and colours[known[0]] > CLEARLY_COLOURED
             if known and fits[known[0]] < (DOUBTFUL_COLOURED_FIT if coloured else DOUBTFUL_FIT):
                 why = f"{prediction.recording.name}: fit of the {joint} {fits[known[0]]:.0f} %"
-                reasons.append(why + ", coloured residuals" * coloured)
-                worst = min(worst, fits[known[0]])
-    usable = UNUSABLE if worst < SMALLEST_FIT else "doubtful" if reasons else "yes"
-    return {
-        "usable": usable,
-        "reasons": reasons,
-        "coloured_percent": {p.recording.name: _colours(p) for p in predictions},
-    }
+                grade = NO if fits[known[0]] < SMALLEST_FIT else DOUBTFUL
+                yield grade, why + ", coloured residuals" * coloured
 
 
 def _colours(prediction: Prediction) -> dict[str, float]:
@@ -211,6 +215,11 @@ def _colours(prediction: Prediction) -> dict[str, float]:
     return {
         name.replace(" ", "_"): coloured_part(residuals[:, k]) for k, name in enumerate(CHANNELS)
     }
+
+
+def verdict_of(result: dict[str, Any]) -> Verdict:
+    """That of a report."""
+    return Verdict(result["verdict"]["usable"], result["verdict"]["reasons"])
 
 
 def report_lines(result: dict[str, Any]) -> Iterator[str]:
@@ -227,10 +236,9 @@ def report_lines(result: dict[str, Any]) -> Iterator[str]:
             yield f"torque wave, {row['order']:2d} per turn {size:11.3g} V"
     if "friction_laws" in result:
         yield from _law_lines(result)
-    judged = result["verdict"]
-    for name, parts in judged["coloured_percent"].items():
+    for name, parts in result["verdict"]["coloured_percent"].items():
         yield f"coloured residuals (white: 5 %) {name}: {_percentages(parts, 0)}"
-    yield f"usable: {judged['usable']}" + "".join(f"; {why}" for why in judged["reasons"])
+    yield f"usable: {verdict_of(result).sentence()}"
     for finding in result["findings"]:
         yield f"found: {finding}"
     for name in ("figure", "rig_file"):
