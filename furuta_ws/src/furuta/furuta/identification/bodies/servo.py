@@ -11,7 +11,7 @@ of the servo.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,10 +22,11 @@ from furuta.identification.bodies.body import Differentiated, Segments
 from furuta.identification.least_squares import Fit, Problem, evaluated, fit
 from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Unknown, Unknowns, Values
+from furuta.identification.verdict import DOUBTFUL, Verdict
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, findings_of
 
 # Longest step of the integration [s]: within one the loop's pull is that of its middle.
 STEP = 5e-4
@@ -43,19 +44,49 @@ CONTRADICTED = 10.0
 # Largest probability by chance of a value that is reported, and residuals, in the noise of the
 # position, of a fit that explains the recording.
 BY_CHANCE, EXPLAINED = 1e-3, 1.3
+# Of values in units of the loop's stiffness.
+UNITS = {
+    "inertia": "s²",
+    "friction": "rad",
+    "viscous": "s",
+    "delay": "s",
+    "limit": "rad",
+    "offset": "rad",
+}
 
 
 class ServoFit(NamedTuple):
     """Values and standard errors by name, in rad and s, and why others are not determined.
 
-    ``usable`` is yes or doubtful; ``left`` are the residuals in the noise of the position.
+    ``usable`` is yes or doubtful, with ``reasons``; ``left`` are the residuals in the noise of the
+    position.
     """
 
     values: dict[str, float]
     standard_errors: dict[str, float]
     undetermined: dict[str, str]
     usable: str
+    reasons: list[str]
+    findings: list[str]
     left: float
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the values are usable, and why not."""
+        return Verdict(self.usable, self.reasons)
+
+    def report(self) -> dict[str, Any]:
+        """Everything by name, as the command line prints it."""
+        return {
+            **self.values,
+            "standard_errors": self.standard_errors,
+            "undetermined": self.undetermined,
+            "units": {name: UNITS[name] for name in self.values},
+            "usable": self.usable,
+            "reasons": self.reasons,
+            "left_over": self.left,
+            "findings": self.findings,
+        }
 
 
 class Servo(Differentiated):
@@ -125,9 +156,7 @@ def identify_servo(recording: Recording) -> ServoFit:
     free = fit(unlimited, {**best.values, "limit": 2.0 * values["limit"]})
     if free.cost < best.cost + CONTRADICTED * max(best.rms**2, 1.0):
         best = free
-    return _result(
-        best, float(np.max(np.abs(ready.commanded_at(ready.time) - ready.measured[:, 0])))
-    )
+    return _result(best, ready)
 
 
 def _starts(values: Values) -> Iterator[Values]:
@@ -141,22 +170,27 @@ def _starts(values: Values) -> Iterator[Values]:
             yield {**values, **body, "limit": part * values["limit"]}
 
 
-def _result(best: Fit, largest: float) -> ServoFit:
-    """What is determined; ``largest`` is the largest error of the loop [rad]."""
-    errors = best.unknowns.all("size") * np.sqrt(np.diag(best.covariance))
+def _result(best: Fit, recording: Recording) -> ServoFit:
+    """What is determined, and the verdict."""
+    deviations = best.unknowns.all("size") * np.sqrt(np.diag(best.covariance))
     names = {"alpha0": "friction", ("offset", 0): "offset"}
     values, standard, undetermined = {}, {}, {}
-    for key, error in zip(best.unknowns.keys, map(float, errors), strict=True):
+    for key, error in zip(best.unknowns.keys, map(float, deviations), strict=True):
         name, value = names.get(key, str(key)), best.values[key]
         if key == ("offset", 0) or chance_of(best, (key,)) < BY_CHANCE:
             values[name], standard[name] = float(value), error
         else:
             undetermined[name] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
     if "limit" not in best.unknowns.keys:
+        errors = recording.commanded_at(recording.time) - recording.measured[:, 0]
+        largest = float(np.max(np.abs(errors)))
         undetermined["limit"] = f"the loop does not reach it: at least {largest:.3g}"
-    return ServoFit(
-        values, standard, undetermined, "yes" if best.rms < EXPLAINED else "doubtful", best.rms
-    )
+    doubts = []
+    if best.rms > EXPLAINED:
+        why = f"the model leaves {best.rms:.1f} times the noise of the position"
+        doubts.append((DOUBTFUL, f"{why}: something acts that it does not have"))
+    verdict, findings = Verdict.of(doubts), findings_of([recording])
+    return ServoFit(values, standard, undetermined, *verdict, findings, best.rms)
 
 
 def _unknowns(values: Values, error: float, fastest: float) -> Unknowns:
