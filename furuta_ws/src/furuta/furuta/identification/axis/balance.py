@@ -8,7 +8,7 @@ bump and integrated by parts, so that torque and acceleration are filtered alike
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -84,7 +84,7 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     return Balance(best, _covariance_with_missed(rows, best, scales, [("delay",), *groups]), part)
 
 
-def _bump(length: float, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def bump_of(length: float, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Weights of a sum that average a series, and those of its first two derivatives.
 
     As differences they give exactly 0 for a constant, however large.
@@ -100,7 +100,7 @@ def _bump_length(recording: Recording) -> float:
     part, length = smoothed(recording), SHORTEST
     position = np.interp(part.time, recording.time, recording.measured[:, PHI])
     while length < LONGEST:
-        _, _, second = _bump(length, part.time[1] - part.time[0])
+        _, _, second = bump_of(length, part.time[1] - part.time[0])
         found = np.convolve(position, second, "valid") if len(second) < len(position) else position
         if position_noise(recording) * np.linalg.norm(second) < SMALL * np.std(found):
             break
@@ -115,12 +115,12 @@ def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
     slow = SLIDES * max(float(np.max(np.abs(part.speed))) for part in parts)
     gathered, blocks = [], []
     for number, (recording, part) in enumerate(zip(recordings, parts, strict=True)):
-        bump = _bump(length, part.time[1] - part.time[0])
-        columns = _columns(bump, recording, part, scales)
+        bump = bump_of(length, part.time[1] - part.time[0])
+        columns = torque_columns(bump, recording, part, wave_groups(scales), scales.level)
         for other in range(len(parts)):
             columns["offset", other] = np.full(len(columns["torque"]), float(other == number))
         slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
-        slides *= _has_samples(recording, part.time)
+        slides *= has_samples(recording, part.time)
         width = len(bump[0])
         whole = np.abs(np.convolve(slides, np.ones(width), "valid")) > width - 0.5
         whole &= np.arange(len(whole)) % max(int(APART * width), 1) == 0
@@ -130,17 +130,24 @@ def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
     return _Rows(joined, joined.pop("torque"), np.concatenate(blocks))
 
 
-def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
+def has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
     """Where times lie in no gap."""
     after = np.clip(np.searchsorted(recording.time, time), 1, len(recording.time) - 1)
     has: np.ndarray = np.diff(recording.time)[after - 1] < GAP * recording.interval
     return has
 
 
-def _columns(
-    bump: Sequence[np.ndarray], recording: Recording, part: Smoothed, scales: Scales
+def torque_columns(
+    bump: Sequence[np.ndarray],
+    recording: Recording,
+    part: Smoothed,
+    waves: Iterable[Group],
+    level: float,
 ) -> dict[Key, np.ndarray]:
-    """The torque, and what each unknown contributes to it, averaged over bumps."""
+    """The torque, and what each unknown contributes to it, averaged over bumps.
+
+    An asymmetry acts in proportion to a ``level`` of friction.
+    """
 
     def mean(series: np.ndarray, order: int = 0) -> np.ndarray:
         return np.correlate(series, bump[order], "valid")
@@ -157,13 +164,13 @@ def _columns(
         "gravity_sin": mean(np.sin(q)),
         "gravity_cos": mean(np.cos(q)),
         "spring": mean(q),
-        "asymmetry": np.full(len(side), scales.level),
+        "asymmetry": np.full(len(side), level),
         "viscous_difference": np.abs(speed),
         "drag": side * mean(part.speed**2),
         "drift": mean(part.time),
         **{
             key: mean(wave(key[1] * q))
-            for group in wave_groups(scales)
+            for group in waves
             for key, wave in zip(group, (np.cos, np.sin), strict=True)
         },
     }
