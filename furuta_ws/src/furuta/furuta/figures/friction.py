@@ -31,7 +31,8 @@ def draw_friction(curve: FrictionCurve, followed: Followed, path: Path) -> None:
         axes[1].tick_params(labelbottom=False)
         left = followed.measured - followed.fitted
         axes[2].plot(followed.time, left, lw=0.7, color=ARM)
-        style_time_series(axes[1], f"position\n[{followed.unit}]")
+        name = "speed" if followed.unit.endswith("/s") else "position"
+        style_time_series(axes[1], f"{name}\n[{followed.unit}]")
         style_time_series(axes[2], f"residual\n[{followed.unit}]")
         axes[2].set_xlabel("time [s]")
         axes[0].legend(loc="upper left")  # friction opposes the speed: no curve comes there
@@ -61,4 +62,4 @@ def _draw_law(axis: Any, curve: FrictionCurve) -> None:
         label="torque minus inertia and load, by speed",
     )
     speed_unit, torque_unit = curve.units
-    style_axis(axis, f"speed [{speed_unit}]", f"friction and offset [{torque_unit}]")
+    style_axis(axis, f"speed [{speed_unit}]", f"{curve.shown} [{torque_unit}]")

@@ -222,7 +222,8 @@ def command(
     if fit is not None:
         result |= report(fit, consequences(axes, controller, reference_speed))
     if cycle.kind != "unbounded":
-        result |= _advice(axis, controller, reference_speed, counts, motions, axes, fit)
+        may_hunt = result.get("hunts_in", 0.0)
+        result |= _advice(axis, controller, reference_speed, counts, motions, axes, fit, may_hunt)
     if prove:
         result["proof"] = _proof(axis, controller, reference_speed)
     if out is not None:
@@ -247,14 +248,15 @@ def _advice(
     motions: Mapping[str, JointCycle],
     axes: Sequence[Axis],
     fit: AxisFit | None,
+    may_hunt: float,
 ) -> dict[str, Any]:
     """Which compensation helps, and which gains end the hunting without one.
 
-    ``axes`` are those that the recording of a ``fit`` may come from.
+    ``axes`` are those that the recording of a ``fit`` may come from, of which a part ``may_hunt``.
     """
     from furuta.axis.compensations import compare_on_axis
     from furuta.axis.draws import COMPARED
-    from furuta.axis.quiet_gains import COUNTS, HUNTING, gain_rows, quiet_gains
+    from furuta.axis.quiet_gains import COUNTS, FEW, HUNTING, gain_rows, quiet_gains
 
     cycle, *_ = motions.values()
     sampled: dict[str, Any] = {"speed": speed, "counts": counts}
@@ -278,7 +280,7 @@ def _advice(
         "ends_hunting": None,
     }
     quiet = None
-    if any(motion.kind in HUNTING for motion in motions.values()):
+    if may_hunt > FEW or any(motion.kind in HUNTING for motion in motions.values()):
         gains = quiet_gains(axis, controller, others=axes[:DRAWS_OF_GAINS], **sampled)
         quiet, advice["ends_hunting"] = gains.controller, gains.sentence()
     recording = fit.recordings[0] if fit is not None else None

@@ -83,6 +83,11 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
 )
 @option("--out", type=FIGURE, help="Draw the residuals.")
 @option(
+    "--figure",
+    type=FIGURE,
+    help="Draw the arm's friction over speed, and its angle, measured and fitted.",
+)
+@option(
     "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other verbs."
 )
 @option(
@@ -106,6 +111,7 @@ def command(
     validation_paths: tuple[Path, ...],
     laws: bool,
     out: Path | None,
+    figure: Path | None,
     write: Path | None,
     base: str,
     as_json: bool,
@@ -130,8 +136,10 @@ def command(
             "add --write FILE.yaml, or leave --rig out"
         )
     if names.command == NO_COMMAND:
-        if out or write or validation_paths or laws:
-            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
+        if out or figure or write or validation_paths or laws:
+            raise ParameterError(
+                "free swings give no model: no --out, --figure, --write, --validate, --laws"
+            )
         swing = free_swing_of_files(paths, names, options).as_json()
         show(swing, as_json)
         _refuse_unusable(swing["verdict"])
@@ -159,6 +167,12 @@ def command(
 
         draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
+    if figure is not None:
+        from furuta.figures.friction import draw_friction
+        from furuta.identification.result.rig_friction import rig_followed, rig_friction
+
+        draw_friction(rig_friction(model), rig_followed(fitted), figure)
+        result["friction_figure"] = str(figure)
     verdict = result["verdict"]
     usable = verdict["usable"] != UNUSABLE
     if write is not None and usable:

@@ -42,7 +42,7 @@ def axis_friction(result: AxisFit) -> FrictionCurve:
         return total
 
     position, torque = result.recordings[0].units
-    return friction_curve(
+    curve = friction_curve(
         law,
         unknowns.vector(result.fit.values),
         result.covariance,
@@ -50,6 +50,7 @@ def axis_friction(result: AxisFit) -> FrictionCurve:
         max(overlaps),
         (f"{position}/s", torque),
     )
+    return curve._replace(shown="friction and offset")
 
 
 def _shown(result: AxisFit, number: int) -> tuple[np.ndarray, np.ndarray, float]:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Bins of the speed, and fewest samples that tell anything of one.
-BINS, FEWEST = 40, 2.0
+# Fewest and most bins of the speed, usual samples in one, and fewest that tell anything.
+FEWEST_BINS, MOST_BINS, USUAL, FEWEST = 10, 40, 8.0, 2.0
 # Speeds in either direction at which the law is computed.
 POINTS = 200
 # Step of the finite differences, in standard errors.
@@ -20,7 +20,7 @@ class FrictionCurve(NamedTuple):
 
     ``law`` and its standard ``error`` (k,) belong to ``speed`` (k,). ``measured`` (b,) are means
     over bins about ``measured_speed`` (b,), with the standard errors ``scatter`` (b,). ``units``
-    are those of speed and friction.
+    are those of speed and friction, and ``shown`` says what belongs to it.
     """
 
     speed: np.ndarray
@@ -30,10 +30,11 @@ class FrictionCurve(NamedTuple):
     measured: np.ndarray
     scatter: np.ndarray
     units: tuple[str, str]
+    shown: str = "friction"
 
 
 class Followed(NamedTuple):
-    """A position (n,), measured and fitted, over time [s]; NaN between segments."""
+    """A position or speed (n,), measured and fitted, over time [s]; NaN between segments."""
 
     time: np.ndarray
     measured: np.ndarray
@@ -83,10 +84,11 @@ def _binned(
     speeds: np.ndarray, friction: np.ndarray, fastest: float, overlap: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Means of speed and friction over bins of the speed, and the standard errors."""
-    edges = np.linspace(-fastest, fastest, BINS + 1)
-    bins = np.clip(np.digitize(speeds, edges) - 1, 0, BINS - 1)
+    wanted = len(speeds) / max(overlap, 1.0) / USUAL
+    count = 2 * round(0.5 * min(max(wanted, FEWEST_BINS), MOST_BINS))  # no bin on both sides of 0
+    bins = np.clip(np.floor((speeds / fastest + 1.0) * 0.5 * count), 0, count - 1)
     rows = []
-    for number in range(BINS):
+    for number in range(count):
         own = friction[bins == number]
         informative = len(own) / max(overlap, 1.0)
         if informative >= FEWEST:
