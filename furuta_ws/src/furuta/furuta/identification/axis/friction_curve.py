@@ -8,7 +8,7 @@ from furuta.identification.axis.balance import bump_of, has_samples, torque_colu
 from furuta.identification.axis.effects import waves_of
 from furuta.identification.axis.identify import AxisFit
 from furuta.identification.axis.motion import level
-from furuta.identification.axis.segments import position_noise, segmented, smoothed
+from furuta.identification.axis.segments import Smoothed, position_noise, segmented, smoothed
 from furuta.identification.bodies.axis import Axis, model_of
 from furuta.identification.least_squares import Problem, evaluated, fit
 from furuta.identification.result.friction_curve import Followed, FrictionCurve, friction_curve
@@ -17,9 +17,11 @@ from furuta_recordings.recording import Recording
 
 # What is subtracted from the torque: the rest is friction, with the offset.
 NOT_FRICTION = ("inertia", "delay", "gravity_sin", "gravity_cos", "spring", "drift", "cos", "sin")
-# Length of a bump in windows over which the position is smoothed, and standard deviations of a
-# speed from which it slides.
-WINDOWS, SLIDES = 1.5, 2.0
+# Shortest bump, in windows over which the position is smoothed, and longest one [s]; noise of the
+# inertia's torque that is small, in the usual torque.
+SHORTEST, LONGEST, SMALL = 1.5, 0.3, 0.05
+# Standard deviations of a speed from which the axis slides.
+SLIDES = 2.0
 
 
 def axis_friction(result: AxisFit) -> FrictionCurve:
@@ -57,8 +59,7 @@ def _shown(result: AxisFit, number: int) -> tuple[np.ndarray, np.ndarray, float]
     """Speeds and friction (n,) that a recording shows, and how many of them overlap."""
     recording, values = result.recordings[number], result.fit.values
     part = smoothed(recording)
-    step = part.time[1] - part.time[0]
-    bump = bump_of(WINDOWS * part.window, step)
+    bump = _bump(recording, part, values["inertia"])
     columns = torque_columns(bump, recording, part, waves_of(result.fit), 1.0)
     columns["load_friction"] = _friction_of_load(result, bump, recording, columns["alpha0"])
     friction = columns["torque"].copy()
@@ -72,6 +73,18 @@ def _shown(result: AxisFit, number: int) -> tuple[np.ndarray, np.ndarray, float]
     width = len(bump[0])
     whole = np.abs(np.convolve(slides, np.ones(width), "valid")) > width - 0.5
     return columns["viscous"][whole], friction[whole], 0.5 * width
+
+
+def _bump(recording: Recording, part: Smoothed, inertia: float) -> tuple[np.ndarray, ...]:
+    """The shortest bump over which the noise of the position hardly changes the friction."""
+    length, step = SHORTEST * part.window, part.time[1] - part.time[0]
+    allowed = SMALL * float(np.std(part.torque))
+    while True:
+        bump = bump_of(length, step)
+        noise = inertia * position_noise(recording) * float(np.linalg.norm(bump[2]))
+        if noise < allowed or length >= LONGEST:
+            return bump
+        length = min(1.3 * length, LONGEST)
 
 
 def _friction_of_load(
