@@ -13,6 +13,7 @@ import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Controller, parse_friction
 from furuta.axis.compensations import residual
 from furuta.axis.joint_file import NEEDED
+from furuta.axis.quiet_gains import gain_rows, quiet_gains
 from furuta.limit_cycles.joint import JointCycle
 from furuta_ros.parameter_files import read_sections
 
@@ -189,6 +190,37 @@ def test_an_irregular_motion_says_what_was_seen(monkeypatch: pytest.MonkeyPatch)
     assert seen.observed_s == pytest.approx(10.0 * cycle.period_s, rel=1e-5)
     assert seen.transient_s == pytest.approx(10.0 * cycle.period_s, rel=0.2)
     assert seen.transient_s != pytest.approx(seen.observed_s, rel=1e-3)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.02])
+def test_gains_that_end_the_hunting(delay: float) -> None:
+    """Exactly, and sampled with the delay, which allows less damping."""
+    gains = quiet_gains(AXIS, PID, delay=delay).controller
+    assert isinstance(gains, furuta.Pid)
+    assert gains.ki > 0.0
+    assert {motion.kind for motion in furuta.servo_motions(AXIS, gains).values()} == {"rest"}
+    run = furuta.simulate_axis(AXIS, gains, seconds=60.0, delay=delay)
+    assert np.ptp(run.error[len(run.error) // 2 :]) <= 2.0 * 2.0 * np.pi / 4096
+
+
+@pytest.mark.parametrize("controller", [PID, furuta.Cascade(12.0, 0.08, 0.2)])
+def test_stiction_hunts_with_any_integral_action(controller: Controller) -> None:
+    """Only without it the axis rests, within what friction holds."""
+    axis = AXIS._replace(law="stiction")
+    found = quiet_gains(axis, controller)
+    assert isinstance(found.controller, type(controller))
+    assert found.controller[-1 if isinstance(controller, furuta.Cascade) else 1] == 0.0
+    run = furuta.simulate_axis(axis, found.controller, seconds=20.0)
+    assert 0.0 < np.max(np.abs(run.error[-100:])) <= found.error == 0.2 / controller.stiffness
+    assert "only no integral action" in found.sentence()
+
+
+def test_gains_in_the_unit_of_a_recording() -> None:
+    """1 mm on a screw of 10 mm per turn is 0.628 rad."""
+    rows = gain_rows(PID, None, ("rad", "N m"), ("mm", 0.2 * np.pi))
+    assert [row["recorded_unit"] for row in rows] == ["N m/mm", "N m/(mm s)", "N m s/mm"]
+    assert rows[0]["given_recorded"] == pytest.approx(0.2 * np.pi)
+    assert "recorded_unit" not in gain_rows(PID, None, ("m", "N"), ("m", 1.0))[0]
 
 
 def test_compensations_are_compared_by_the_final_motion() -> None:

@@ -60,10 +60,13 @@ def dated(start: str) -> str:
         table().replace("\n", "\ns,rad,rad/s,rad,rad/s,V\n", 1),
         table() + ",,,,,\n\n" + table().splitlines()[0] + "\n",
         dated("2026-01-31T23:59:59.700+02:00").replace("T", " "),
+        "Axis 1\nSamples,8000\nInterval (ms),1.000\n" + table(),
+        "Export\n\n" + table().replace("\n", "\ns,rad,rad/s,rad,rad/s,V\n", 1),
     ],
     ids=[
         *("plain", "decimal commas", "separator named", "UTF-16", "quoted", "header in a comment"),
         *("units below", "blank rows and another header", "dates with a zone"),
+        *("lines above the header", "lines and units above the numbers"),
     ],
 )
 def test_a_table_of_any_make(tmp_path: Path, text: str | bytes) -> None:
@@ -176,6 +179,44 @@ def axis_of(path: Path, columns: tuple[Any, ...], header: str = AXIS, sep: str =
     file = path / "axis.csv"
     file.write_text("\n".join([header.replace(",", sep), *rows]))
     return read_axis(str(file), position="counts" if "counts" in header else None)
+
+
+def test_what_stands_between_names_and_numbers_is_told(tmp_path: Path) -> None:
+    """Of an export that describes its columns in many lines nothing is guessed."""
+    text = "Name,Axis test\nName,Pos,Torque\nType,REAL,REAL\nOffset,0,0\n0,0.1,0.2\n1,0.2,0.3\n"
+    (tmp_path / "log.csv").write_text(text.replace("Offset", "Unit offset"))
+    with pytest.raises(ParameterError, match="line 5: leave one line above them"):
+        read_axis(tmp_path / "log.csv")
+
+
+@pytest.mark.parametrize(
+    ("header", "lead", "size"),
+    [
+        ("time,position [deg],torque", 0.0, ("deg", np.pi / 180.0)),
+        ("time,position [mm],force [N]", 0.0, ("mm", 1e-3)),
+        ("time,position [mm],torque [Nm]", 0.01, ("mm", 0.2 * np.pi)),
+        ("time,position [meters],force [N]", 0.0, ("meters", 1.0)),
+        ("time,position,torque", 0.0, ("rad", 1.0)),
+    ],
+)
+def test_unit_of_the_recorded_position(
+    tmp_path: Path, header: str, lead: float, size: tuple[str, float]
+) -> None:
+    rows = [f"{t:.3f},{x},{u}" for t, x, u in zip(TIME, STATE[:, 0], VOLTS, strict=True)]
+    (tmp_path / "log.csv").write_text("\n".join([header, *rows]))
+    found = read_axis(tmp_path / "log.csv", lead=lead)
+    assert found.position_unit[0] == size[0]
+    assert found.position_unit[1] == pytest.approx(size[1])
+    np.testing.assert_allclose(found.measured[:, 0], size[1] * STATE[:, 0])
+
+
+def test_a_second_name_below_is_no_unit(tmp_path: Path) -> None:
+    rows = [f"{1e3 * t:.3f},{x},{u}" for t, x, u in zip(TIME, STATE[:, 0], VOLTS, strict=True)]
+    names = ["Drive 7", "Time,Analog 1,Analog 2", "ms,Position,Torque"]
+    (tmp_path / "log.csv").write_text("\n".join([*names, *rows]))
+    found = read_axis(tmp_path / "log.csv", position="Analog 1", command="Analog 2")
+    np.testing.assert_allclose(found.time, TIME, atol=1e-6)
+    np.testing.assert_allclose(found.command, VOLTS)
 
 
 def times_as(form: str) -> list[str]:

@@ -8,6 +8,7 @@ from true_axes import TrueAxis, multisine, recorded
 
 from furuta.axis.draws import drawn_axes
 from furuta.identification.axis import effects
+from furuta.identification.axis.friction_curve import axis_followed, axis_friction
 from furuta.identification.axis.identify import AxisFit, identify_axis
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import read_axis
@@ -57,6 +58,39 @@ def test_offset_and_drift_do_not_bias_the_axis() -> None:
     assert fit.resolution == pytest.approx(COUNT_4096)
     other = sampled(axis._replace(offset=-0.01, drift=0.0), seconds=4.0)
     assert fit.error(other, own_offset=True) < 0.1 * fit.error(other)
+
+
+def test_friction_over_speed_is_the_true_one() -> None:
+    """As the law and as the torque shows it, with gravity, delay, fall and offset beside it."""
+    axis = PLAIN._replace(delay=0.0047, gravity_sin=0.1, offset=0.02)
+    axis = axis._replace(alpha1=0.05, stribeck_velocity=0.5)
+    fit = identify_axis(sampled(axis, size=2.0))
+    curve = axis_friction(fit)
+
+    def true(speed: np.ndarray) -> np.ndarray:
+        level = axis.alpha0 + axis.alpha1 * np.exp(-((speed / axis.stribeck_velocity) ** 2))
+        return np.sign(speed) * level + axis.viscous * speed + axis.offset
+
+    assert np.all(np.abs(curve.law - true(curve.speed)) < 4.0 * curve.error)
+    assert np.max(curve.error) < 0.05 * axis.alpha0
+    assert np.ptp(curve.measured_speed) > 0.5 * np.ptp(curve.speed)
+    off = curve.measured - true(curve.measured_speed)
+    assert np.sqrt(np.mean(off**2)) < 0.05 * axis.alpha0
+    assert curve.units == ("rad/s", "N m")
+    followed = axis_followed(fit)
+    left = followed.measured - followed.fitted
+    noise = COUNT_4096 / np.sqrt(12.0)
+    assert np.sqrt(np.nanmean(left**2)) == pytest.approx(noise, rel=0.1)
+
+
+def test_one_direction_does_not_tell_friction_from_offset() -> None:
+    time = np.arange(5000) / 500.0
+    torque = 0.3 + multisine(time, 0.1)
+    fit = identify_axis(recorded(PLAIN, torque, 0.002, COUNT_4096))
+    assert fit.usable == "doubtful"
+    assert "record reversals" in fit.reasons[-1]
+    assert {"alpha0", "offset"} <= set(fit.undetermined)
+    assert fit.values["inertia"] == pytest.approx(PLAIN.inertia, rel=0.05)
 
 
 def test_records_without_information_are_refused() -> None:

@@ -17,6 +17,7 @@ from furuta.identification.result.identified_rig import (
     quadratic_poles,
 )
 from furuta.identification.result.report import standard_errors, summary, verdict
+from furuta.identification.result.rig_friction import rig_followed, rig_friction
 from furuta.identification.shooting.unknowns import wave
 from furuta.identification.uncertainty.identifiability import undetermined
 from furuta_control.estimation import EstimatorParameters
@@ -64,6 +65,18 @@ def test_standard_errors_cover_the_truth(model: Model) -> None:
         truth = getattr(EXAMPLE, name)
         assert abs(values[name] - truth) < 4.0 * errors[name]
         assert errors[name] < 0.3 * truth
+
+
+def test_friction_over_speed(model: Model) -> None:
+    """The voltage shows the friction of the fitted law, beside waves and tilt."""
+    curve = rig_friction(model)
+    law = np.interp(curve.measured_speed, curve.speed, curve.law)
+    true = 0.12 * np.sign(curve.speed) + EXAMPLE.viscous * curve.speed
+    assert np.max(np.abs(curve.law - true)) < 0.05 * np.ptp(true)
+    assert np.sqrt(np.mean((curve.measured - law) ** 2)) < 0.05 * np.ptp(law)
+    assert len(curve.measured) >= 4
+    followed = rig_followed([model.predict(recording) for recording in model.recordings])
+    assert np.nanmax(np.abs(followed.measured - followed.fitted)) < 0.05
 
 
 def test_waves_and_zeros(model: Model) -> None:

@@ -36,7 +36,8 @@ def test_a_record_identifies_and_says_what_follows(furuta: Any, tmp_path: Path) 
     )
     table, joints = tmp_path / "axis.csv", tmp_path / "joints.yaml"
     library.write_series(table, recorded.columns)
-    gains = ("--pid", "1", "2", "0.08", "--json", "--save", joints)
+    picture = tmp_path / "friction.png"
+    gains = ("--pid", "1", "2", "0.08", "--json", "--save", joints, "--figure", picture)
     status, out, err = furuta("axis", "--identify", table, *gains)
     assert status == 0, err
     result = json.loads(out)
@@ -47,6 +48,9 @@ def test_a_record_identifies_and_says_what_follows(furuta: Any, tmp_path: Path) 
     assert result["kind"] == "limit_cycle"
     assert result["hunts_in"] == 1.0
     assert result["hunting_rad"][0] < result["peak_to_peak_rad"] < result["hunting_rad"][1]
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    quiet = [row["quiet"] for row in result["gains"]]
+    assert library.servo_cycle(library.Axis(0.01, friction), library.Pid(*quiet)).kind == "rest"
     written = library.read_joint_file(joints)
     assert (written.joint, written.controller) == ("axis", library.Pid(1.0, 2.0, 0.08))
     assert written.parameters["compensation"] == result["recommended"]
@@ -102,6 +106,7 @@ def test_options_that_contradict_each_other(furuta: Any) -> None:
         ((*several, "--pid", "1", "0", "0"), "several joints have no common controller"),
         ((*several, "--out", "a.png"), "several joints have no common controller"),
         ((*AXIS, "--pid", "1", "2", "0", "--save", "a.yaml"), "--save writes what is identified"),
+        ((*AXIS, "--pid", "1", "2", "0", "--figure", "a.png"), "--figure draws what is identified"),
     ):
         status, _, err = furuta("axis", *arguments)
         assert (status, words in err) == (2, True), err

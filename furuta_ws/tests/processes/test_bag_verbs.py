@@ -101,7 +101,7 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     status, out, err = furuta(
         "identify", table, "--arm", "rotor", "--pendulum", "link", "--command", "/drive",
         "--zero", "hanging", "--write", file_out, "--out", tmp_path / "residuals.png", "--json",
-        "--laws",
+        "--laws", "--figure", tmp_path / "friction.png",
     )  # fmt: skip
     assert status == 0, err
     result = json.loads(out)
@@ -111,7 +111,8 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     errors = {each["law"]: each["errors"]["second half"] for each in result["friction_laws"]}
     assert errors["coulomb"] == 1.0 < errors["viscous"]
     assert result["simplest_adequate_law"] in errors
-    assert (tmp_path / "residuals.png").stat().st_size > 10_000
+    for picture in ("residuals.png", "friction.png"):
+        assert (tmp_path / picture).stat().st_size > 10_000
     status, _, err = furuta("simulate", "--seconds", "1", "--params", file_out)
     assert status == 0, err
 

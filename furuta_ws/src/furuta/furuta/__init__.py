@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from furuta.axis.joint_file import joint_parameters as joint_parameters
     from furuta.axis.joint_file import read_joint_file as read_joint_file
     from furuta.axis.joint_file import write_joint_file as write_joint_file
+    from furuta.axis.quiet_gains import quiet_gains as quiet_gains
     from furuta.axis.simulation import simulate_axis as simulate_axis
     from furuta.describing_functions.describing_function import (
         describing_function as describing_function,

@@ -2,7 +2,7 @@
 
 Tables of many makes: UTF-8, UTF-16 with its mark, or Windows' western encoding; commas, semicolons,
 tabs or blanks between the cells; decimal commas; dates and times of day; a row of units below the
-header; lines that begin with #, of which the last one can be the header.
+header; lines that begin with #, of which the last one can be the header; other lines above it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from array import array
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import date
-from itertools import chain, islice
+from itertools import chain, islice, pairwise
 from math import isnan, nan
 from pathlib import Path
 from typing import Any, NamedTuple, TextIO
@@ -85,10 +85,12 @@ def _encodings(path: Path) -> tuple[str, ...]:
 
 
 def _table(path: Path, file: TextIO) -> Table:
-    header, number, separated, lines = _header(file)
+    head = [*islice(file, HIGHEST_HEADER + 2)]
+    above, begin = _lines_above(head)
+    header, number, separated, lines = _header(chain(head[above:], file), above)
     cells = [Cells(name.strip()) for name in header]
     ignored = [header]
-    numbered = _rows(csv.reader(lines, **separated), number, ignored)
+    numbered = _rows(csv.reader(lines, **separated), number, ignored, begin)
     first = [*islice(numbered, 1)]
     if first and is_text(first[0][1]):
         ignored.append(first.pop()[1])
@@ -128,9 +130,46 @@ def _named(path: Path, cells: list[Cells], units: dict[str, str]) -> Table:
     return table
 
 
-def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]]:
-    """The header, the number of its line, how cells are separated, and the lines below."""
-    comment, separator, number, first = "", "", 0, ""
+def _lines_above(head: Sequence[str]) -> tuple[int, int]:
+    """How many of the first lines stand above the header, and the line where numbers begin; or 0.
+
+    The header is one text row, or one with units below, directly above two rows of numbers.
+    """
+    for separator in ";\t,":
+        rows = [[cell.strip() for cell in row] for row in csv.reader(head, delimiter=separator)]
+        if len(rows) != len(head):  # a quoted cell goes on in the next line
+            continue
+        full = [k for k, row in enumerate(rows) if any(row) and not row[0].startswith("#")]
+        for at, (k, after) in enumerate(pairwise(full)):
+            width = len(rows[k])
+            if (
+                width > 1
+                and width == len(rows[after])
+                and all(map(_is_numbers, (rows[k], rows[after])))
+            ):
+                names = at
+                while (
+                    names and len(rows[full[names - 1]]) == width and is_text(rows[full[names - 1]])
+                ):
+                    names -= 1
+                one = 0 < at - names <= 2 and names > 0
+                return (full[names] if one else 0), k + 1
+    return 0, 0
+
+
+def _is_numbers(cells: Sequence[str]) -> bool:
+    known = [cell.lower() for cell in cells if cell.lower() not in MISSING]
+    return bool(known) and not any(isnan(Cells("").number(text, 0)) for text in known)
+
+
+def _header(
+    file: Iterator[str], number: int
+) -> tuple[list[str], int, dict[str, Any], Iterator[str]]:
+    """The header, the number of its line, how cells are separated, and the lines below.
+
+    ``number`` lines stand above what is given.
+    """
+    comment, separator, first = "", "", ""
     for first in file:
         number += 1
         if first.startswith("#"):
@@ -149,25 +188,30 @@ def _header(file: TextIO) -> tuple[list[str], int, dict[str, Any], Iterator[str]
     raise csv.Error(f"line {number} holds numbers, where the names of the columns should stand")
 
 
-def _rows(rows: Any, first: int, ignored: list[list[str]]) -> Iterator[tuple[int, list[str]]]:
+def _rows(
+    rows: Any, first: int, ignored: list[list[str]], numbers: int
+) -> Iterator[tuple[int, list[str]]]:
     """The numbers of lines that hold something, and their rows, of the header's width.
 
-    Left out are comments, and the rows ``ignored``, which a logger repeats at each start.
+    Left out are comments, and the rows ``ignored``, which a logger repeats at each start. Rows of
+    numbers begin in line ``numbers``, if they were found.
     """
     width = len(ignored[0])
     for read in rows:
         line = first + rows.line_num
-        row = read if len(read) == width else _fitted(read, width, line, first)
+        row = read if len(read) == width else _fitted(read, width, line, numbers)
         if any(row) and not row[0].startswith("#") and row not in ignored:
             yield line, row
 
 
-def _fitted(row: list[str], width: int, line: int, header: int) -> list[str]:
+def _fitted(row: list[str], width: int, line: int, numbers: int) -> list[str]:
     if any(row[width:]):
-        above = f"lines {header} to {line - 1}" if line > header + 1 else f"line {header}"
         advice = "separate cells by semicolons if numbers have decimal commas"
-        if line <= HIGHEST_HEADER:
-            advice = f"if the columns are named further below, remove {above}; or {advice}"
+        if line < numbers:
+            advice = (
+                f"numbers begin in line {numbers}: leave one line above them, with the names of "
+                "the columns, such as time_ms"
+            )
         raise csv.Error(f"line {line} has {len(row)} cells, the header has {width}; {advice}")
     return row[:width] + [""] * (width - len(row))
 

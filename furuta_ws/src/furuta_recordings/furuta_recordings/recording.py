@@ -23,7 +23,7 @@ class Recording(NamedTuple):
     the recording names the unit of its angles, which are then in rad. Recordings with the same
     ``number`` are excerpts of one run. ``findings`` say how the content was interpreted. ``joint``
     names the only joint of the recording of an axis, ``units`` are those of its position and of its
-    torque.
+    torque; ``position_unit`` is the unit that the file has for the position, with its size in them.
     """
 
     name: str
@@ -36,6 +36,7 @@ class Recording(NamedTuple):
     findings: tuple[str, ...] = ()
     joint: str = ""
     units: tuple[str, str] = ("rad", "N m")
+    position_unit: tuple[str, float] = ("rad", 1.0)
 
     def noting(self, finding: str) -> Recording:
         """With one more finding, which begins with the name."""

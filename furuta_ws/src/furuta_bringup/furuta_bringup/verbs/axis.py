@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,13 +22,13 @@ if TYPE_CHECKING:
     from furuta.identification.axis.identify import AxisFit
     from furuta.limit_cycles.joint import JointCycle
 
-# Motions without end about a reference at rest.
-HUNTING = ("limit_cycle", "irregular")
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 # What a line says of one of several joints.
 OF_FIT = ("inertia", "alpha0", "alpha1", "viscous", "gravity_sin", "gravity_cos")
 SHOWN = (*OF_FIT, "usable", "reasons", "findings")
+# Draws for which gains must end the hunting.
+DRAWS_OF_GAINS = 20
 # Chatter, relative to the level of friction, of a compensation that is recommended for a robot.
 QUIET = 0.25
 
@@ -142,6 +142,11 @@ class Length(click.ParamType):
     help="Draw the limit cycle, and the error with the recommended compensation.",
 )
 @click.option(
+    "--figure",
+    type=FIGURE,
+    help="Draw what was identified: friction over speed, and the position, measured and fitted.",
+)
+@click.option(
     "--save",
     type=click.Path(dir_okay=False, path_type=Path),
     metavar="FILE.yaml",
@@ -166,6 +171,7 @@ def command(
     lead: float,
     prove: bool,
     out: Path | None,
+    figure: Path | None,
     save: Path | None,
     as_json: bool,
 ) -> None:
@@ -180,33 +186,32 @@ def command(
     --pid 2 6 0.12
     """
     from furuta.axis.axis import Axis, Cascade, Pid, axis_report, parse_friction, servo_motions
-    from furuta.axis.compensations import compare_on_axis
 
     controllers = [gains for gains in (pid, cascade) if gains is not None]
     if len(controllers) > 1:
         raise click.UsageError("give either --pid or --cascade")
     if (inertia is not None, friction is not None) != (not records, not records):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    if len(joints) > 1 and (controllers or prove or out is not None):
-        raise click.UsageError("several joints have no common controller, --prove or --out")
-    if save is not None and not records:
-        raise click.UsageError("--save writes what is identified: give --identify FILE")
+    if len(joints) > 1 and (controllers or prove or out is not None or figure is not None):
+        raise click.UsageError(
+            "several joints have no common controller, --prove, --out or --figure"
+        )
+    _need_recording(records, {"--save writes": save, "--figure draws": figure})
     columns = (position, driven, torque_constant, clock, lead)
     if not controllers:
-        _save(save, _identify(records, columns, joints, force, as_json))
+        _save(save, _identify(records, columns, joints, force, figure, as_json))
         return
     result: dict[str, Any] = {}
-    others, found = [], 4096
+    found, fit, axes = 4096, None, []
     controller: Controller = Cascade(*cascade) if cascade else Pid(*(pid or ()))
     if records:
-        from furuta.axis.draws import COMPARED, consequences, drawn_axes, identified_axis, report
+        from furuta.axis.draws import consequences, drawn_axes, identified_axis, report
 
         fit = _fit(records, columns, next(iter(joints), None))
-        result["identified"] = _report(fit, as_json)
+        result["identified"] = _report(fit, figure, as_json)
         _require_usable(fit, force)
         axis, found = identified_axis(fit, law), round(2.0 * pi / fit.resolution)
         axes = drawn_axes(fit)
-        others = axes[:COMPARED]
     else:
         law = law or "stribeck"
         axis = Axis(inertia or 0.0, parse_friction(friction or "", law), law)
@@ -214,44 +219,79 @@ def command(
     motions = servo_motions(axis, controller, reference_speed)
     cycle = next(iter(motions.values()))
     result |= {**axis_report(motions), "compensations": [], "recommended": None}
-    if records:
+    if fit is not None:
         result |= report(fit, consequences(axes, controller, reference_speed))
     if cycle.kind != "unbounded":
-        compared = compare_on_axis(
-            axis,
-            controller,
-            speed=reference_speed,
-            counts=counts,
-            cycle=cycle,
-            others=others,
-            **(_loop_of_node(fit) if records else {}),
-        )
-        result["compensations"] = [residual._asdict() for residual in compared.residuals]
-        best = compared.recommended
-        hunts = best.peak_to_peak_rad > 2.0 * 2.0 * pi / counts if counts else cycle.kind in HUNTING
-        result["still_hunts"] = hunts and cycle.kind in HUNTING
-        result["recommended"] = best.compensation if best.settled else None
+        may_hunt = result.get("hunts_in", 0.0)
+        result |= _advice(axis, controller, reference_speed, counts, motions, axes, fit, may_hunt)
     if prove:
         result["proof"] = _proof(axis, controller, reference_speed)
     if out is not None:
         _draw(axis, controller, cycle, reference_speed, counts, result["recommended"], out)
         result["figure"] = str(out)
     show(result, as_json)
-    if records:
+    if fit is not None:
         _save(save, [fit], controller, result["recommended"])
 
 
-def _loop_of_node(fit: AxisFit) -> dict[str, Any]:
-    """The loop with a friction observer that is a node of its own, on a robot like the recorded.
+def _need_recording(records: Sequence[Path], files: Mapping[str, Path | None]) -> None:
+    for option, path in files.items():
+        if path is not None and not records:
+            raise click.UsageError(f"{option} what is identified: give --identify FILE")
 
-    Its gears must not rattle.
+
+def _advice(
+    axis: Axis,
+    controller: Controller,
+    speed: float,
+    counts: int,
+    motions: Mapping[str, JointCycle],
+    axes: Sequence[Axis],
+    fit: AxisFit | None,
+    may_hunt: float,
+) -> dict[str, Any]:
+    """Which compensation helps, and which gains end the hunting without one.
+
+    ``axes`` are those that the recording of a ``fit`` may come from, of which a part ``may_hunt``.
     """
-    return {
-        "sample_time": fit.recordings[0].interval,
-        "delay": fit.values.get("delay", 0.0),
-        "by_topic": True,
-        "largest_chatter": QUIET * fit.values.get("alpha0", 0.0),
+    from furuta.axis.compensations import compare_on_axis
+    from furuta.axis.draws import COMPARED
+    from furuta.axis.quiet_gains import COUNTS, FEW, HUNTING, gain_rows, quiet_gains
+
+    cycle, *_ = motions.values()
+    sampled: dict[str, Any] = {"speed": speed, "counts": counts}
+    if fit is not None:
+        delay = fit.values.get("delay", 0.0)
+        sampled |= {"sample_time": fit.recordings[0].interval, "delay": delay}
+    compared = compare_on_axis(
+        axis,
+        controller,
+        cycle=cycle,
+        others=axes[:COMPARED],
+        **sampled,
+        **(_of_a_robot(fit) if fit is not None else {}),
+    )
+    best = compared.recommended
+    moves = best.peak_to_peak_rad > COUNTS * 2.0 * pi / counts if counts else True
+    advice: dict[str, Any] = {
+        "compensations": [residual._asdict() for residual in compared.residuals],
+        "still_hunts": moves and cycle.kind in HUNTING,
+        "recommended": best.compensation if best.settled else None,
+        "ends_hunting": None,
     }
+    quiet = None
+    if may_hunt > FEW or any(motion.kind in HUNTING for motion in motions.values()):
+        gains = quiet_gains(axis, controller, others=axes[:DRAWS_OF_GAINS], **sampled)
+        quiet, advice["ends_hunting"] = gains.controller, gains.sentence()
+    recording = fit.recordings[0] if fit is not None else None
+    units = recording.units if recording else ("rad", "N m")
+    recorded = recording.position_unit if recording else ("rad", 1.0)
+    return advice | {"gains": gain_rows(controller, quiet, units, recorded)}
+
+
+def _of_a_robot(fit: AxisFit) -> dict[str, Any]:
+    """A friction observer that is a node of its own, on a robot whose gears must not rattle."""
+    return {"by_topic": True, "largest_chatter": QUIET * fit.values.get("alpha0", 0.0)}
 
 
 def _fit(records: Iterable[Path], columns: Sequence[Any], joint: str | None) -> AxisFit:
@@ -264,8 +304,18 @@ def _fit(records: Iterable[Path], columns: Sequence[Any], joint: str | None) -> 
     )
 
 
-def _report(fit: AxisFit, as_json: bool) -> dict[str, Any]:
-    return {name: value for name, value in fit.report().items() if as_json or name != "covariance"}
+def _report(fit: AxisFit, figure: Path | None, as_json: bool) -> dict[str, Any]:
+    """What is shown of a fit, after it has been drawn: also of one that is not usable."""
+    report = {
+        name: value for name, value in fit.report().items() if as_json or name != "covariance"
+    }
+    if figure is not None:
+        from furuta.figures.friction import draw_friction
+        from furuta.identification.axis.friction_curve import axis_followed, axis_friction
+
+        draw_friction(axis_friction(fit), axis_followed(fit), figure)
+        report["figure"] = str(figure)
+    return report
 
 
 def _identify(
@@ -273,6 +323,7 @@ def _identify(
     columns: Sequence[Any],
     joints: Sequence[str],
     force: bool,
+    figure: Path | None,
     as_json: bool,
 ) -> list[AxisFit]:
     """Fits of the joints, after they have been shown; raises if one is not usable."""
@@ -281,7 +332,7 @@ def _identify(
     if len(joints) > 1:
         return _identify_joints(records, columns, joints, force, as_json)
     fit = _fit(records, columns, next(iter(joints), None))
-    show(_report(fit, as_json), as_json)
+    show(_report(fit, figure, as_json), as_json)
     _require_usable(fit, force)
     return [fit]
 

@@ -81,6 +81,11 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
 )
 @option("--out", type=FIGURE, help="Draw the residuals.")
 @option(
+    "--figure",
+    type=FIGURE,
+    help="Draw the arm's friction over speed, and its angle, measured and fitted.",
+)
+@option(
     "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other verbs."
 )
 @option(
@@ -104,6 +109,7 @@ def command(
     validation_paths: tuple[Path, ...],
     laws: bool,
     out: Path | None,
+    figure: Path | None,
     write: Path | None,
     base: str,
     as_json: bool,
@@ -129,8 +135,10 @@ def command(
             "add --write FILE.yaml, or leave --rig out"
         )
     if names.command == NO_COMMAND:
-        if out or write or validation_paths or laws:
-            raise ParameterError("free swings give no model: no --out, --write, --validate, --laws")
+        if out or figure or write or validation_paths or laws:
+            raise ParameterError(
+                "free swings give no model: no --out, --figure, --write, --validate, --laws"
+            )
         swing = free_swing_of_files(paths, names, options).as_json()
         show(swing, as_json)
         verdict_of(swing).require()
@@ -158,6 +166,12 @@ def command(
 
         draw_residuals(fitted, held_out, out)
         result["figure"] = str(out)
+    if figure is not None:
+        from furuta.figures.friction import draw_friction
+        from furuta.identification.result.rig_friction import rig_followed, rig_friction
+
+        draw_friction(rig_friction(model), rig_followed(fitted), figure)
+        result["friction_figure"] = str(figure)
     verdict = verdict_of(result)
     if write is not None and verdict.usable != NO:
         from furuta.identification.result.identified_rig import write_rig

@@ -98,7 +98,9 @@ def _in_units_of_an_axis(recording: Recording, torque_constant: float, lead: flo
     if lead:
         measured = recording.measured.copy()
         measured[:, [PHI, PHI_DOT]] *= 2.0 * pi / lead
-        recording, position = recording._replace(measured=measured), "rad"
+        unit, size = recording.position_unit
+        turned = unit, 2.0 * pi / lead * size
+        recording, position = recording._replace(measured=measured, position_unit=turned), "rad"
     if torque_constant != 1.0:
         drive = "N" if position == "m" else "N m"
     elif position == "m" and drive == "N m":

@@ -37,7 +37,12 @@ SPEED_UNITS = {
 }
 COMMAND_UNITS = {**dict.fromkeys(("v", "volt", "volts"), 1.0), "mv": 1e-3}
 # Units of an axis: of a position along a straight line, and of a current, torque or force.
-LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}
+LENGTH_UNITS = {
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
+    "cm": 1e-2,
+    "mm": 1e-3,
+    **dict.fromkeys(("um", "µm"), 1e-6),
+}
 # An encoder's counts stay counts.
 DRIVE_UNITS = {**COMMAND_UNITS, "a": 1.0, "ma": 1e-3, "nm": 1.0, "mnm": 1e-3, "n": 1.0}
 COUNT_UNITS = dict.fromkeys(("counts", "count", "cts", "ticks"), 1.0)
@@ -62,6 +67,7 @@ AXIS_UNITS = {
 # of FILLERS, as in `arm angle dot`.
 ANGLE_WORDS = ("position", "angle", "pos", "encoder")
 SPEED_WORDS = ("velocity", "speed", "dot", "vel", "rate")
+DRIVE_WORDS = ("torque", "force", "current", "voltage", "effort")
 FILLERS = ("angle", "angular", "position", "pos")
 
 
@@ -100,6 +106,8 @@ def unit_of(table: Table, name: str) -> str:
     if text in (DATE, DAY_TIME, HOUR_TIME, INSTANT):
         return text
     own, below = column(name).unit, _unit(text.strip("[]()-"))
+    if below in (*ANGLE_WORDS, *SPEED_WORDS, *DRIVE_WORDS):
+        below = ""  # a second name
     if own and below and own != below:
         raise ParameterError(f"{table.path}: column {name} has another unit below, {below}")
     return own or below

@@ -192,7 +192,8 @@ def read_axis_table(
     ]
     findings = (overflow, source, *guessed)
     recording = recording_of(table.path.name, [own], time, (time, torque), findings)
-    return recording._replace(units=named)
+    recorded = units[0] or moved, POSITION_UNITS.get(units[0], 1.0)
+    return recording._replace(units=named, position_unit=recorded)
 
 
 def _position_column(table: Table, wanted: str | None, joint: str | None) -> str:

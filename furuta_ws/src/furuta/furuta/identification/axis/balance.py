@@ -8,7 +8,7 @@ bump and integrated by parts, so that torque and acceleration are filtered alike
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -100,7 +100,7 @@ def _bump_length(recording: Recording) -> float:
     while length < longest:
         windows = Windows(part.time, length)
         size = np.std(windows.curvature(position))
-        if position_noise(recording) * windows.curvature_noise() < SMALL * size:
+        if position_noise(recording) * windows.noise(2) < SMALL * size:
             break
         length *= 1.5
     return min(length, longest)
@@ -119,11 +119,11 @@ def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
     gathered, blocks = [], []
     for number, (recording, part) in enumerate(zip(recordings, parts, strict=True)):
         windows = Windows(part.time, length, APART)
-        columns = _columns(windows, recording, part, scales)
+        columns = torque_columns(windows, recording, part, wave_groups(scales), scales.level)
         for other in range(len(parts)):
             columns["offset", other] = np.full(len(columns["torque"]), float(other == number))
         slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
-        slides *= _has_samples(recording, part.time)
+        slides *= has_samples(recording, part.time)
         whole = np.abs(windows.mean(slides)) > 1.0 - ROUNDING
         gathered.append({name: column[whole] for name, column in columns.items()})
         blocks.append(MANY * number + (windows.starts[whole] - part.time[0]) // BLOCK)
@@ -131,37 +131,40 @@ def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
     return _Rows(joined, joined.pop("torque"), np.concatenate(blocks))
 
 
-def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
+def has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
     """Where times lie in no gap."""
     after = np.clip(np.searchsorted(recording.time, time), 1, len(recording.time) - 1)
     has: np.ndarray = np.diff(recording.time)[after - 1] < GAP * recording.interval
     return has
 
 
-def _columns(
-    windows: Windows, recording: Recording, part: Smoothed, scales: Scales
+def torque_columns(
+    windows: Windows, recording: Recording, part: Smoothed, waves: Iterable[Group], level: float
 ) -> dict[Key, np.ndarray]:
-    """The torque, and what each unknown contributes to it, averaged over windows."""
+    """The torque, and what each unknown contributes to it, averaged over windows.
+
+    An asymmetry acts in proportion to a ``level`` of friction.
+    """
     mean = windows.mean
     torque = recording.commanded_at(part.time)
     q = np.interp(part.time, recording.time, recording.measured[:, PHI])
-    speed, side = -windows.slope(q), np.sign(mean(part.speed))
+    speed, side = windows.slope(q), np.sign(mean(part.speed))
     return {
         "torque": mean(torque),
         "inertia": windows.curvature(q),
         "alpha0": side,
         "viscous": speed,
-        "delay": -windows.slope(torque),
+        "delay": windows.slope(torque),
         "gravity_sin": mean(np.sin(q)),
         "gravity_cos": mean(np.cos(q)),
         "spring": mean(q),
-        "asymmetry": np.full(len(side), scales.level),
+        "asymmetry": np.full(len(side), level),
         "viscous_difference": np.abs(speed),
         "drag": side * mean(part.speed**2),
         "drift": mean(part.time),
         **{
             key: mean(wave(key[1] * q))
-            for group in wave_groups(scales)
+            for group in waves
             for key, wave in zip(group, (np.cos, np.sin), strict=True)
         },
     }

@@ -59,6 +59,8 @@ DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
 BY_CHANCE = 1e-3
+# Correlation from which friction and offset are one: the axis slides in one direction only.
+ONE_WAY = 0.999
 # What is said of a value that may be 0, and of a fit of the torques.
 NOT_DISTINGUISHABLE = "not distinguishable from 0"
 BALANCED = "fitted to the torque while the axis slides, because it does not predict the motion"
@@ -296,6 +298,12 @@ def _result(
             if values.pop(name_of(key), None) is not None:
                 del errors[name_of(key)]
                 undetermined[name_of(key)] = reason
+    one_way = _one_way(best, covered)
+    values, errors = (
+        {name: value for name, value in each.items() if name not in one_way}
+        for each in (values, errors)
+    )
+    undetermined |= one_way
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
         value, error = best.values["alpha1"], stiction_error(cut, best)
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
@@ -315,7 +323,8 @@ def _result(
             "record a motion that accelerates"
         )
     noises = left / sensor if torques is None else np.inf
-    verdict = Verdict.of(_doubts(best, noises, part, errors["inertia"] / values["inertia"]))
+    relative = errors["inertia"] / values["inertia"]
+    verdict = Verdict.of(_doubts(best, noises, part, relative, bool(one_way)))
     findings = findings_of(recordings)
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
@@ -357,6 +366,20 @@ def _reported(
     return values, errors, undetermined
 
 
+def _one_way(best: Fit, covered: np.ndarray) -> dict[str, str]:
+    """Why Coulomb level and offset are not determined if the axis slides in one direction only."""
+    keys = best.unknowns.keys
+    if not {"alpha0", ("offset", 0)} <= set(keys):
+        return {}
+    level, offset = keys.index("alpha0"), keys.index(("offset", 0))
+    correlation = covered[level, offset] / np.sqrt(covered[level, level] * covered[offset, offset])
+    if not abs(correlation) > ONE_WAY:
+        return {}
+    total = best.values["offset", 0] - np.sign(correlation) * best.values["alpha0"]
+    reason = f"only level and offset together are, {total:.3g}: the axis slides in one direction"
+    return {"alpha0": reason, "offset": reason}
+
+
 def _together(key: Key, best: Fit) -> Group:
     """The unknowns that are one effect: those of gravity, or of a wave."""
     group = wave(int(key[1])) if field_of(key) in ("cos", "sin") else GRAVITY
@@ -364,7 +387,7 @@ def _together(key: Key, best: Fit) -> Group:
 
 
 def _doubts(
-    best: Fit, noises: float, part: float, inertia_error: float
+    best: Fit, noises: float, part: float, inertia_error: float, one_way: bool
 ) -> Iterator[tuple[str, str]]:
     """What makes the values less usable."""
     if noises > EXPLAINED and part > DOUBTFUL_PART:
@@ -381,6 +404,8 @@ def _doubts(
         yield DOUBTFUL, f"{segments} segments for {unknown} unknowns: record for longer"
     if inertia_error > LARGEST_ERROR:
         yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
+    if one_way:
+        yield DOUBTFUL, "the axis slides in one direction only: record reversals"
 
 
 def _noise(cut: Segments) -> float:

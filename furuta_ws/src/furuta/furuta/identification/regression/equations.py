@@ -50,7 +50,7 @@ def arm_misfits(recording: Recording, delays: np.ndarray) -> np.ndarray:
     beta, gamma = pendulum_equation(recording, windows).coefficients[:2]
     x, moving = _arm_columns(recording, windows, beta, gamma)
     delayed = (recording.with_delayed_command(delay) for delay in delays)
-    return np.array([regress(x, _commanded(r, windows)[moving]).misfit for r in delayed])
+    return np.array([regress(x, mean_command(r, windows)[moving]).misfit for r in delayed])
 
 
 def pendulum_equation(recording: Recording, windows: Windows) -> LinearFit:
@@ -58,8 +58,8 @@ def pendulum_equation(recording: Recording, windows: Windows) -> LinearFit:
     phi, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
     columns = [
-        -windows.slope(w) - windows.mean(s * c * v * v),
-        -windows.slope(c * v) + windows.mean(s * v * w),
+        windows.slope(w) - windows.mean(s * c * v * v),
+        windows.slope(c * v) + windows.mean(s * v * w),
         windows.mean(w),
         windows.mean(np.sign(w)),
         -windows.mean(c),
@@ -76,7 +76,7 @@ def arm_equation(recording: Recording, windows: Windows, beta: float, gamma: flo
     Coulomb friction cannot be distinguished from a smaller voltage and is assumed to be zero.
     """
     x, moving = _arm_columns(recording, windows, beta, gamma)
-    return regress(x, _commanded(recording, windows)[moving])
+    return regress(x, mean_command(recording, windows)[moving])
 
 
 class ArmRows(NamedTuple):
@@ -89,7 +89,7 @@ class ArmRows(NamedTuple):
 
     def commanded(self, ceiling: float = np.inf) -> np.ndarray:
         """The mean command of each row [V], limited by a ceiling."""
-        return _commanded(self.recording.with_ceiling(ceiling), self.windows)[self.moving]
+        return mean_command(self.recording.with_ceiling(ceiling), self.windows)[self.moving]
 
 
 def arm_rows(recordings: list[Recording], lag: float, delay: float) -> list[ArmRows]:
@@ -162,7 +162,7 @@ def _command_scale(rows: list[ArmRows], number: int) -> CommandScale:
     return CommandScale(name, factor, error, float(fit.misfit * others / size))
 
 
-def _commanded(recording: Recording, windows: Windows) -> np.ndarray:
+def mean_command(recording: Recording, windows: Windows) -> np.ndarray:
     """The mean command of each window [V]; one that holds over a sample counts half at its ends."""
     earlier = recording.commanded_at(recording.time - recording.interval)
     return windows.mean(0.5 * (earlier + recording.commanded_at(recording.time)))
@@ -183,8 +183,8 @@ def _arm_columns(
     s, c = np.sin(theta), np.cos(theta)
     forward, backward, moving = _directions(v, windows, rarest)
     columns = [
-        -windows.slope(v),
-        -windows.slope(beta * s * s * v + gamma * c * w),
+        windows.slope(v),
+        windows.slope(beta * s * s * v + gamma * c * w),
         windows.mean(v),
         forward,
         -backward,

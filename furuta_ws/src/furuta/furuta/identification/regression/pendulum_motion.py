@@ -83,11 +83,11 @@ def _regression(
     """The error of the ``zero`` [rad] that the recording was rotated by, and the motion."""
     _, v, theta, w = recording.measured.T
     s, c = np.sin(theta), np.cos(theta)
-    y = -windows.slope(w) - windows.mean(s * c * v * v)
+    y = windows.slope(w) - windows.mean(s * c * v * v)
     columns = (
         windows.mean(s),
         windows.mean(c),
-        windows.slope(c * v) - windows.mean(s * v * w),
+        -windows.slope(c * v) - windows.mean(s * v * w),
         -windows.mean(w),
         -windows.mean(np.sign(w)),
     )

@@ -24,8 +24,8 @@ def speed_as_slope(recording: Recording, angle: int, speed: int) -> tuple[float,
     if not np.all(np.isfinite(v)) or np.ptp(position) == 0.0 or not np.any(v):
         return None
     windows = Windows(recording.time)
-    columns = np.array([windows.mean(v), -windows.slope(v)]).T
-    k, lag = np.linalg.lstsq(columns, -windows.slope(position), rcond=None)[0]
+    columns = np.array([windows.mean(v), windows.slope(v)]).T
+    k, lag = np.linalg.lstsq(columns, windows.slope(position), rcond=None)[0]
     return float(k), float(lag)
 
 

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from furuta_model.parameters import ParameterError
 
@@ -22,8 +23,8 @@ BAND = 1.96
 class Windows:
     """Averages weighted by bumps ψ ∝ (1 − s²)³, s from −1 to 1, ``apart`` of a length each.
 
-    Derivatives are integrated by parts: of a series only its values count. ``starts`` (k,) [s] are
-    the beginnings of the windows.
+    Derivatives are integrated by parts: of a series only its values count. A series is (n,), or
+    (n, c) with a column each. ``starts`` (k,) [s] are the beginnings of the windows.
     """
 
     def __init__(self, time: np.ndarray, length: float = WINDOW, apart: float = 0.5) -> None:
@@ -34,44 +35,41 @@ class Windows:
                 f"the recording is too short: {time[-1] - time[0]:.2f} s with data, at least "
                 f"{shortest(length, apart):.1f} s needed"
             )
-        weights = np.gradient(time)
-        self._rows, self._bumps = [], []
-        starts = []
-        for centre in centres:
-            a, b = np.searchsorted(time, (centre - half, centre + half))
-            if a == b:
-                continue
-            s = (time[a:b] - centre) / half
-            self._rows.append(slice(a, b))
-            self._bumps.append(_bumps(s, weights[a:b]) / half ** np.arange(3.0)[:, None])
-            starts.append(centre - half)
-        self.starts = np.array(starts)
-
-    def _averaged(self, series: np.ndarray, order: int) -> np.ndarray:
-        pairs = zip(self._rows, self._bumps, strict=True)
-        return np.array(
-            [bumps[order] @ (series[rows] - series[rows.start]) for rows, bumps in pairs]
+        edges = np.searchsorted(time, (centres - half, centres + half)).T
+        some = edges[:, 1] > edges[:, 0]
+        centres, edges = centres[some], edges[some]
+        weights, unit = np.gradient(time), half ** np.arange(3.0)[:, None]
+        bumps = np.hstack(
+            [
+                _bumps((time[a:b] - centre) / half, weights[a:b]) / unit
+                for centre, (a, b) in zip(centres, edges, strict=True)
+            ]
         )
+        columns = np.concatenate([np.arange(a, b) for a, b in edges])
+        ends = np.append(0, np.cumsum(edges[:, 1] - edges[:, 0]))
+        shape = len(centres), len(time)
+        self._sums = [csr_array((values, columns, ends), shape) for values in bumps]
+        self.starts = centres - half
 
     def mean(self, series: np.ndarray) -> np.ndarray:
-        """∫ψy of each window."""
-        pairs = zip(self._rows, self._bumps, strict=True)
-        return np.array([bumps[0] @ series[rows] for rows, bumps in pairs])
+        """The mean ∫ψy of each window."""
+        mean: np.ndarray = self._sums[0] @ series
+        return mean
 
     def slope(self, series: np.ndarray) -> np.ndarray:
-        """∫ψ̇y of each window, which is −∫ψẏ.
-
-        The window's first value is subtracted: a constant must not count, even across gaps.
-        """
-        return self._averaged(series, 1)
+        """The mean slope ∫ψẏ = −∫ψ̇y of each window; a constant does not count."""
+        slope: np.ndarray = -self._sums[1] @ (series - series[0])
+        return slope
 
     def curvature(self, series: np.ndarray) -> np.ndarray:
-        """∫ψ̈y of each window, which is ∫ψÿ; a constant does not count."""
-        return self._averaged(series, 2)
+        """The mean second derivative ∫ψÿ = ∫ψ̈y of each window; a straight line does not count."""
+        curvature: np.ndarray = self._sums[2] @ (series - series[0])
+        return curvature
 
-    def curvature_noise(self) -> float:
-        """Standard deviation of a curvature for a series of white noise with that of 1."""
-        return float(np.sqrt(np.mean([bumps[2] @ bumps[2] for bumps in self._bumps])))
+    def noise(self, order: int) -> float:
+        """Standard deviation of a derivative of this order, for white noise with that of 1."""
+        sums = self._sums[order]
+        return float(np.sqrt(sums.power(2).sum() / sums.shape[0]))
 
 
 def _bumps(s: np.ndarray, weights: np.ndarray) -> np.ndarray:

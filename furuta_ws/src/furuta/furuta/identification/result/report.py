@@ -241,7 +241,7 @@ def report_lines(result: dict[str, Any]) -> Iterator[str]:
     yield f"usable: {verdict_of(result).sentence()}"
     for finding in result["findings"]:
         yield f"found: {finding}"
-    for name in ("figure", "rig_file"):
+    for name in ("figure", "friction_figure", "rig_file"):
         if name in result:
             yield f"{name.replace('_', ' ')}: {result[name]}"
 
