@@ -23,7 +23,7 @@ class Recording(NamedTuple):
     the recording names the unit of its angles, which are then in rad. Recordings with the same
     ``number`` are excerpts of one run. ``findings`` say how the content was interpreted. ``joint``
     names the only joint of the recording of an axis, ``units`` are those of its position and of its
-    torque.
+    torque. ``start`` is when ``time`` is 0 [s], by the clock of the file.
     """
 
     name: str
@@ -36,6 +36,7 @@ class Recording(NamedTuple):
     findings: tuple[str, ...] = ()
     joint: str = ""
     units: tuple[str, str] = ("rad", "N m")
+    start: float = 0.0
 
     def noting(self, finding: str) -> Recording:
         """With one more finding, which begins with the name."""

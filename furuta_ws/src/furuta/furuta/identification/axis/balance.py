@@ -8,7 +8,7 @@ bump and integrated by parts, so that torque and acceleration are filtered alike
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -55,12 +55,36 @@ class Balance(NamedTuple):
     part: float
 
 
-class _Rows(NamedTuple):
-    """Columns of the balance by name (n,), torque (n,) and block of each row (n,)."""
+class Rows(NamedTuple):
+    """Columns of the balance by key (n,), torque (n,) and block of each row (n,)."""
 
     columns: dict[Key, np.ndarray]
     torque: np.ndarray
     block: np.ndarray
+
+
+class Bump(NamedTuple):
+    """Weights of sums that average a series and its first two derivatives."""
+
+    value: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
+
+    def mean(self, series: np.ndarray) -> np.ndarray:
+        """Averages of a series."""
+        return np.correlate(series, self.value, "valid")
+
+    def slope(self, series: np.ndarray) -> np.ndarray:
+        """Averages of its derivative."""
+        return np.correlate(series, self.first, "valid")
+
+    def bend(self, series: np.ndarray) -> np.ndarray:
+        """Averages of its second derivative."""
+        return np.correlate(series, self.second, "valid")
+
+
+# The columns of a recording's balance, its torque among them, averaged over bumps.
+Columns = Callable[[Bump, Recording, Smoothed], dict[Key, np.ndarray]]
 
 
 def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Balance | None:
@@ -69,7 +93,8 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     It has no delay, which a slow motion does not show.
     """
     keys = [key for key in about.unknowns.keys if key not in TESTED]
-    rows = _rows(recordings, scales)
+    length = max(bump_length(recording) for recording in recordings)
+    rows = sliding_rows(recordings, length, lambda *each: axis_columns(*each, scales))
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
     singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
@@ -79,28 +104,30 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     ]
     absent: list[Key] = [FALL[0], *TESTED]
     values = {**about.values, **dict.fromkeys(absent, 0.0)}
-    best = _supported(rows, _fitted(rows, keys, scales, values), scales, groups)
-    part = float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
-    return Balance(best, _covariance_with_missed(rows, best, scales, [("delay",), *groups]), part)
+    best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, groups)
+    covered = covariance_with_missed(rows, best, scales, [("delay",), *groups])
+    return Balance(best, covered, left_over(rows, best))
 
 
-def _bump(length: float, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Weights of a sum that average a series, and those of its first two derivatives.
+def left_over(rows: Rows, best: Fit) -> float:
+    """Residuals as a part of the torque."""
+    return float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
 
-    As differences they give exactly 0 for a constant, however large.
-    """
+
+def bump_of(length: float, step: float) -> Bump:
+    """A bump of a length [s]; as differences its slopes are exactly 0 for a constant."""
     half = max(round(0.5 * length / step), 6)
     value = np.pad((1.0 - np.linspace(-1.0, 1.0, 2 * half + 1) ** 2) ** 4, 1)
     value /= np.sum(value)
-    return value, -np.gradient(value) / step, np.diff(np.pad(value, 1), 2) / step**2
+    return Bump(value, -np.gradient(value) / step, np.diff(np.pad(value, 1), 2) / step**2)
 
 
-def _bump_length(recording: Recording) -> float:
+def bump_length(recording: Recording) -> float:
     """The shortest length [s] at which the noise of the position hardly changes the inertia."""
     part, length = smoothed(recording), SHORTEST
     position = np.interp(part.time, recording.time, recording.measured[:, PHI])
     while length < LONGEST:
-        _, _, second = _bump(length, part.time[1] - part.time[0])
+        second = bump_of(length, part.time[1] - part.time[0]).second
         found = np.convolve(position, second, "valid") if len(second) < len(position) else position
         if position_noise(recording) * np.linalg.norm(second) < SMALL * np.std(found):
             break
@@ -108,26 +135,25 @@ def _bump_length(recording: Recording) -> float:
     return min(length, LONGEST)
 
 
-def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
-    """One row for each bump over which an axis slides in one direction."""
+def sliding_rows(recordings: Sequence[Recording], length: float, columns: Columns) -> Rows:
+    """One row for each bump of a length [s] over which an axis slides in one direction."""
     parts = [smoothed(recording) for recording in recordings]
-    length = max(_bump_length(recording) for recording in recordings)
     slow = SLIDES * max(float(np.max(np.abs(part.speed))) for part in parts)
     gathered, blocks = [], []
     for number, (recording, part) in enumerate(zip(recordings, parts, strict=True)):
-        bump = _bump(length, part.time[1] - part.time[0])
-        columns = _columns(bump, recording, part, scales)
+        bump = bump_of(length, part.time[1] - part.time[0])
+        found = columns(bump, recording, part)
         for other in range(len(parts)):
-            columns["offset", other] = np.full(len(columns["torque"]), float(other == number))
+            found["offset", other] = np.full(len(found["torque"]), float(other == number))
         slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
         slides *= _has_samples(recording, part.time)
-        width = len(bump[0])
+        width = len(bump.value)
         whole = np.abs(np.convolve(slides, np.ones(width), "valid")) > width - 0.5
         whole &= np.arange(len(whole)) % max(int(APART * width), 1) == 0
-        gathered.append({name: column[whole] for name, column in columns.items()})
+        gathered.append({name: column[whole] for name, column in found.items()})
         blocks.append(MANY * number + (part.time[: len(whole)][whole] - part.time[0]) // BLOCK)
     joined = {name: np.concatenate([each[name] for each in gathered]) for name in gathered[0]}
-    return _Rows(joined, joined.pop("torque"), np.concatenate(blocks))
+    return Rows(joined, joined.pop("torque"), np.concatenate(blocks))
 
 
 def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
@@ -137,23 +163,19 @@ def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
     return has
 
 
-def _columns(
-    bump: Sequence[np.ndarray], recording: Recording, part: Smoothed, scales: Scales
+def axis_columns(
+    bump: Bump, recording: Recording, part: Smoothed, scales: Scales
 ) -> dict[Key, np.ndarray]:
-    """The torque, and what each unknown contributes to it, averaged over bumps."""
-
-    def mean(series: np.ndarray, order: int = 0) -> np.ndarray:
-        return np.correlate(series, bump[order], "valid")
-
-    torque = recording.commanded_at(part.time)
+    """The torque, and what each unknown of an axis contributes to it, averaged over bumps."""
+    mean, torque = bump.mean, recording.commanded_at(part.time)
     q = np.interp(part.time, recording.time, recording.measured[:, PHI])
-    speed, side = mean(q, 1), np.sign(mean(part.speed))
+    speed, side = bump.slope(q), np.sign(mean(part.speed))
     return {
         "torque": mean(torque),
-        "inertia": mean(q, 2),
+        "inertia": bump.bend(q),
         "alpha0": side,
         "viscous": speed,
-        "delay": mean(torque, 1),
+        "delay": bump.slope(torque),
         "gravity_sin": mean(np.sin(q)),
         "gravity_cos": mean(np.cos(q)),
         "spring": mean(q),
@@ -169,7 +191,7 @@ def _columns(
     }
 
 
-def _fitted(rows: _Rows, keys: Sequence[Key], scales: Scales, values: Values) -> Fit:
+def fitted_balance(rows: Rows, keys: Sequence[Key], scales: Scales, values: Values) -> Fit:
     """Least squares of the torques, in which residuals have the unit of torque."""
     values = {**dict.fromkeys(keys, 0.0), **values}
     unknowns = Unknowns(scales.unknown(key, values) for key in keys)
@@ -193,15 +215,15 @@ def _fitted(rows: _Rows, keys: Sequence[Key], scales: Scales, values: Values) ->
     return Fit(unknowns, State(there, none, noise * left[:, None], none, cost), linear)
 
 
-def _supported(rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
-    """The fit with all effects that the blocks support."""
+def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
+    """The fit with all effects that the blocks support, ``more`` and waves."""
     groups = [*more, *wave_groups(scales)]
     while True:
         if len(waves_of(best)) >= MOST_WAVES:
             groups = [group for group in groups if group in more]
         found = []
         for group in groups:
-            wider = _fitted(rows, (*best.unknowns.keys, *group), scales, best.values)
+            wider = fitted_balance(rows, (*best.unknowns.keys, *group), scales, best.values)
             if chance_of(wider, group) < (BY_CHANCE if group in more else WAVE_BY_CHANCE):
                 found.append((wider.cost, group, wider))
         if not found:
@@ -210,14 +232,14 @@ def _supported(rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]) ->
         groups.remove(chosen)
 
 
-def _covariance_with_missed(
-    rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]
+def covariance_with_missed(
+    rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]
 ) -> np.ndarray:
     """Covariance (p, p) in sizes, with how effects that were not found would change the values."""
     covered, keys = best.covariance, best.unknowns.keys
     for group in more:
         if group[0] not in keys:
-            other = _fitted(rows, (*keys, *group), scales, best.values).values
+            other = fitted_balance(rows, (*keys, *group), scales, best.values).values
             shift = best.unknowns.vector(other) - best.unknowns.vector(best.values)
             relative = shift / best.unknowns.all("size")
             covered = covered + np.outer(relative, relative)

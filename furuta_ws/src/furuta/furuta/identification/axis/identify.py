@@ -191,15 +191,24 @@ def _from_torques(cut: Segments, base: Fit, torques: Fit, scales: Scales) -> Fit
 
 def _prepared(recording: Recording) -> Recording:
     """The usable part, with time 0 in its middle; raises if the axis hardly moves."""
+    ready = usable_part(recording)
+    middle = 0.5 * (ready.time[0] + ready.time[-1])
+    return ready._replace(time=ready.time - middle, command_time=ready.command_time - middle)
+
+
+def usable_part(recording: Recording) -> Recording:
+    """The usable part, at no more than 2 kHz.
+
+    Raises:
+        ParameterError: The axis hardly moves.
+    """
     travel, count = (f(recording.measured[:, PHI]) for f in (_travel, quantisation_step))
     if not travel >= COUNTS * count > 0.0:
         raise ParameterError(
             f"{recording.name}: the axis moves by {travel:g}, which is less than {COUNTS:g} counts "
             f"of {count:g} of its sensor; record a larger motion"
         )
-    ready = _thinned(cleaned(recording, joints=(PHI,)))
-    middle = 0.5 * (ready.time[0] + ready.time[-1])
-    return ready._replace(time=ready.time - middle, command_time=ready.command_time - middle)
+    return _thinned(cleaned(recording, joints=(PHI,)))
 
 
 def _thinned(recording: Recording) -> Recording:
@@ -240,6 +249,7 @@ def unit_of(name: str, units: tuple[str, str]) -> str:
         "stribeck_velocity": f"{position}/s",
         "asymmetry": "",
         "load_friction": "",
+        "gravity_friction": "",
     }
     return known.get(name, torque)
 
@@ -284,7 +294,7 @@ def _result(
         best, covered, part = torques
     else:
         covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
-    values, errors, undetermined = _reported(best, covered)
+    values, errors, undetermined = reported_values(best, covered)
     if torques is None:
         for key, reason in alike(cut, best, scales).items():
             if values.pop(name_of(key), None) is not None:
@@ -309,7 +319,7 @@ def _result(
             "record a motion that accelerates"
         )
     noises = left / sensor if torques is None else np.inf
-    usable, reasons = _verdict(best, noises, part, errors["inertia"] / values["inertia"])
+    usable, reasons = verdict_of(best, noises, part, errors["inertia"] / values["inertia"])
     findings = findings_of(recordings)
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
@@ -333,7 +343,7 @@ def _result(
     )
 
 
-def _reported(
+def reported_values(
     best: Fit, covered: np.ndarray
 ) -> tuple[dict[str, float], dict[str, float], dict[str, str]]:
     """Values and standard errors of what is determined, and why the rest is not."""
@@ -358,7 +368,7 @@ def _together(key: Key, best: Fit) -> Group:
     return group if key in group and set(group) <= set(best.unknowns.keys) else (key,)
 
 
-def _verdict(best: Fit, noises: float, part: float, inertia_error: float) -> tuple[str, list[str]]:
+def verdict_of(best: Fit, noises: float, part: float, inertia_error: float) -> tuple[str, list[str]]:
     """Whether the values are usable, and why not."""
     reasons, usable = [], "yes"
     if noises > EXPLAINED and part > DOUBTFUL:

@@ -1,0 +1,363 @@
+"""A joint of a moving arm as a body: the friction that its torque shows while all joints move.
+
+The torque of the joint is that of its friction and of its drive's inertia, and the load by the
+links. With the arm's geometry the load is linear in unknown parameters of the links. Without it,
+it is approximated by products of speeds with sines and cosines of the angles. Positions are not
+predicted: the torque is fitted where the joint slides in one direction.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta.identification.axis.balance import (
+    BY_CHANCE,
+    Bump,
+    Rows,
+    axis_columns,
+    bump_length,
+    bump_of,
+    covariance_with_missed,
+    fitted_balance,
+    left_over,
+    sliding_rows,
+    with_effects,
+)
+from furuta.identification.axis.effects import Group, Scales
+from furuta.identification.axis.identify import reported_values, unit_of, usable_part, verdict_of
+from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
+from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
+from furuta.identification.errors import series_noise
+from furuta.identification.least_squares import Fit
+from furuta.identification.selection import chance_of
+from furuta.identification.unknowns import Key, field_of, name_of
+from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI
+from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
+from furuta_recordings.recording import Recording, findings_of
+
+# What every joint has.
+ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", "asymmetry", ("offset", 0))
+# Effects that are looked for, beside waves.
+EFFECTS: tuple[Key, ...] = (
+    "delay",
+    "viscous_difference",
+    "drag",
+    "load_friction",
+    "gravity_friction",
+)
+# A parameter of the links, of which several make one load.
+LINK = "link"
+# Part of a column that others do not explain, below which it is left out.
+INDEPENDENT = 0.02
+# Friction level that is expected before anything is known, in the torque.
+LEVEL = 0.1
+# Usual intervals without a position of another joint from which that is not interpolated.
+GAP = 5.0
+# Fewest rows for each unknown.
+FEWEST_ROWS = 3.0
+# Samples over which a load is searched for its largest value: every so many.
+EVERY = 10
+
+
+class ArmJointFit(NamedTuple):
+    """Values and standard errors by name, in the units of position and torque.
+
+    ``inertia`` is that against the joint's own acceleration, the mean over the recorded poses, and
+    ``gravity`` the largest load by gravity. What the recording does not determine is only in
+    ``undetermined``, with the reason. ``names`` and ``covariance`` are those of all fitted
+    unknowns, ``link n`` among them. ``usable`` is yes, doubtful or no, with ``reasons``; ``part``
+    are the residuals relative to the torque.
+    """
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    undetermined: dict[str, str]
+    names: tuple[str, ...]
+    covariance: np.ndarray
+    usable: str
+    reasons: list[str]
+    findings: list[str]
+    part: float
+    recording: Recording
+
+    def report(self) -> dict[str, Any]:
+        """Everything by name, as the command line prints it."""
+        return {
+            **self.values,
+            "standard_errors": self.standard_errors,
+            "undetermined": self.undetermined,
+            "units": {name: unit_of(name, self.recording.units) for name in self.values},
+            "usable": self.usable,
+            "reasons": self.reasons,
+            "covariance": {"names": list(self.names), "values": self.covariance.tolist()},
+            "left_over": self.part,
+            "findings": self.findings,
+        }
+
+
+class _Arm(NamedTuple):
+    """The joint, smoothed; the loads by the links; and usual sizes."""
+
+    own: Recording
+    part: Smoothed
+    loads: Loads
+    scales: Scales
+
+
+def identify_arm_joint(
+    recording: Recording, others: Sequence[Recording] = (), urdf: str | Path | None = None
+) -> ArmJointFit:
+    """Fit the friction of one joint of an arm of which other joints move too.
+
+    Args:
+        recording: Position and torque of the joint, as :func:`furuta.read_axis` returns them.
+        others: Positions of the other joints that move (``read_axis(..., command="none")``).
+        urdf: The arm's geometry, whose joints have the names of the recordings' joints. Masses in
+            it are not used. All joints without a recording are taken to be fixed at 0.
+
+    Raises:
+        ParameterError: The joint hardly moves, a name is not in the URDF, or too little is
+            recorded.
+    """
+    own, positions = _together(recording, others)
+    arm, about = _arm(own, positions, urdf)
+    length = bump_length(own)
+    rows, size = _rows(arm, length, np.zeros(len(arm.part.time)))
+    if len(rows.torque) < FEWEST_ROWS * len(ALWAYS):
+        raise ParameterError(
+            f"{own.name}: the joint slides in one direction for {length:.2g} s in "
+            f"{len(rows.torque)} places only; record longer or wider moves"
+        )
+    links = _independent(rows) if urdf is not None else _relevant(rows, arm)
+    first = _fitted(rows, links, arm)
+    level = max(first.values["alpha0"], 0.0)
+    arm = arm._replace(scales=_scales(arm.part, level))
+    weight = _functional(arm.loads.gravity, size, first)
+    rows, size = _rows(arm, length, weight @ _vector(first))
+    best = with_effects(rows, _fitted(rows, links, arm), arm.scales, [(key,) for key in EFFECTS])
+    covered = covariance_with_missed(rows, best, arm.scales, [(key,) for key in EFFECTS])
+    return _result(arm, best, covered, size, left_over(rows, best), length, about)
+
+
+def _together(
+    recording: Recording, others: Sequence[Recording]
+) -> tuple[Recording, dict[str, Recording]]:
+    """The joint where the others have positions too, and those at its times, by joint."""
+    names = [each.joint for each in (recording, *others)]
+    if len(set(names)) < len(names):
+        raise ParameterError(f"{recording.name}: a joint is named twice: {', '.join(names)}")
+    own = usable_part(recording)
+    found = []
+    for other in others:
+        ready = cleaned(other, driven=False, joints=(PHI,))
+        time = ready.time + (ready.start - own.start)
+        at = np.clip(np.searchsorted(time, own.time), 1, len(time) - 1)
+        known = np.diff(time)[at - 1] < GAP * ready.interval
+        known &= (own.time >= time[0]) & (own.time <= time[-1])
+        own = own._replace(time=own.time[known], measured=own.measured[known])
+        found.append((ready, time))
+    if len(own.time) < FEWEST_SAMPLES:
+        raise ParameterError(
+            f"{recording.name}: {len(own.time)} samples have positions of all joints, at least "
+            f"{FEWEST_SAMPLES} needed"
+        )
+    positions = {}
+    for ready, time in found:
+        measured = np.full_like(own.measured, np.nan)
+        measured[:, PHI] = np.interp(own.time, time, ready.measured[:, PHI])
+        positions[ready.joint] = ready._replace(time=own.time, measured=measured)
+    return own, positions
+
+
+def _arm(
+    own: Recording, positions: Mapping[str, Recording], urdf: str | Path | None
+) -> tuple[_Arm, list[str]]:
+    """The joint among the others, and what is to be said of that."""
+    part = smoothed(own)
+    parts = {own.joint: part, **{name: smoothed(each) for name, each in positions.items()}}
+    q, v = ({name: each[k] for name, each in parts.items()} for k in (1, 2))
+    scales = _scales(part, LEVEL * float(np.sqrt(np.mean(part.torque**2))))
+    if urdf is None:
+        found = "the load by the links is approximated without geometry; give --urdf"
+        return _Arm(own, part, _dictionary(own.joint, q, v), scales), [f"{own.name}: {found}"]
+    joints = read_linkage(urdf)
+    names = [joint.name for joint in joints if joint.kind != "fixed"]
+    unknown = [name for name in parts if name not in names]
+    if unknown:
+        raise ParameterError(
+            f"{urdf}: no moving joint {', '.join(unknown)}; it has {', '.join(names) or 'none'}"
+        )
+    still = [name for name in names if name not in parts]
+    about = [f"{own.name}: taken to be fixed at 0: {', '.join(still)}"] if still else []
+    return _Arm(own, part, link_loads(joints, own.joint, q, v), scales), about
+
+
+def _scales(part: Smoothed, level: float) -> Scales:
+    torque, speed = (float(np.sqrt(np.mean(each**2))) for each in (part.torque, part.speed))
+    return Scales(torque, level, speed, float(np.ptp(part.position)), float(np.ptp(part.time)))
+
+
+def _dictionary(own: str, q: Mapping[str, np.ndarray], v: Mapping[str, np.ndarray]) -> Loads:
+    """Loads that arms of turning joints may have: sums of angles, and products of speeds."""
+    none = np.zeros_like(q[own])
+    waves = [wave(angle) for angle in q.values() for wave in (np.sin, np.cos)]
+    sums = [q[a] + sign * q[b] for a, b in itertools.combinations(q, 2) for sign in (1.0, -1.0)]
+    waves += [wave(angle) for angle in sums for wave in (np.sin, np.cos)]
+    columns = [(none, wave, wave, none) for wave in waves]
+    for name, speed in v.items():
+        factors = waves if name == own else [np.ones_like(none), *waves]
+        columns += [
+            (factor * speed, none, none, factor if name == own else none) for factor in factors
+        ]
+    for a, b in itertools.combinations_with_replacement(v, 2):
+        factors = [np.ones_like(none), *waves[: 2 * len(q)]]
+        columns += [(none, factor * v[a] * v[b], none, none) for factor in factors]
+    return Loads(*(np.column_stack(each) for each in zip(*columns, strict=True)))
+
+
+def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarray]:
+    """The balance, with a known load by gravity (n,), and the links' columns divided by a size."""
+
+    def columns(bump: Bump, own: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
+        momenta, rests = arm.loads.momentum.T, arm.loads.rest.T
+        found = axis_columns(bump, own, part, arm.scales)
+        side, torque = found["alpha0"], own.commanded_at(part.time)
+        found["load_friction"] = side * bump.mean(np.abs(torque))
+        found["gravity_friction"] = side * bump.mean(np.abs(weight))
+        for n, (momentum, rest) in enumerate(zip(momenta, rests, strict=True)):
+            found[LINK, n] = bump.slope(momentum) + bump.mean(rest)
+        return found
+
+    rows = sliding_rows([arm.own], length, columns)
+    size = np.ones(arm.loads.rest.shape[1])
+    if len(rows.torque):
+        links = np.column_stack([rows.columns[LINK, n] for n in range(len(size))])
+        size = np.sqrt(np.mean(links**2, axis=0))
+        size[size < 1e-9 * np.max(size, initial=1e-300)] = np.inf
+    for n, each in enumerate(size):
+        rows.columns[LINK, n] = rows.columns[LINK, n] / each
+    return rows, size
+
+
+def _own_basis(rows: Rows) -> np.ndarray:
+    """An orthonormal basis of what the joint has without the links."""
+    own = np.column_stack([rows.columns[key] for key in ALWAYS if key != "asymmetry"])
+    return np.linalg.qr(own / np.linalg.norm(own, axis=0))[0]
+
+
+def _independent(rows: Rows) -> list[Key]:
+    """Parameters of the links that act differently from each other and from the joint's own."""
+    basis = _own_basis(rows)
+    keys = [key for key in rows.columns if field_of(key) == LINK]
+    left = np.column_stack([rows.columns[key] for key in keys])
+    left = left - basis @ (basis.T @ left)
+    norms, chosen = np.sqrt(len(left)), []
+    while len(chosen) < len(keys):
+        sizes = np.linalg.norm(left, axis=0)
+        k = int(np.argmax(sizes))
+        if sizes[k] < INDEPENDENT * norms:
+            break
+        column = left[:, k] / sizes[k]
+        left = left - np.outer(column, column @ left)
+        chosen.append(keys[k])
+    return chosen
+
+
+def _relevant(rows: Rows, arm: _Arm) -> list[Key]:
+    """Approximations of the load that explain the torque, as long as blocks of time support it."""
+    basis = _own_basis(rows)
+    keys = [key for key in rows.columns if field_of(key) == LINK]
+    left = np.column_stack([rows.columns[key] for key in keys])
+    left = left - basis @ (basis.T @ left)
+    torque = rows.torque - basis @ (basis.T @ rows.torque)
+    chosen: list[Key] = []
+    while len(chosen) < len(keys):
+        sizes = np.linalg.norm(left, axis=0)
+        usable = sizes > INDEPENDENT * np.sqrt(len(left))
+        gains = np.where(usable, (left.T @ torque) / np.maximum(sizes, 1e-300), 0.0) ** 2
+        k = int(np.argmax(gains))
+        if not usable[k] or chance_of(_fitted(rows, [*chosen, keys[k]], arm), (keys[k],)) > BY_CHANCE:
+            break
+        column = left[:, k] / sizes[k]
+        left = left - np.outer(column, column @ left)
+        torque = torque - column * (column @ torque)
+        chosen.append(keys[k])
+    return chosen
+
+
+def _fitted(rows: Rows, links: Sequence[Key], arm: _Arm) -> Fit:
+    inertia = arm.scales.torque / float(np.sqrt(np.mean(arm.part.acceleration**2)))
+    values = {"inertia": inertia, "stribeck_velocity": arm.scales.speed}
+    return fitted_balance(rows, (*ALWAYS, *links), arm.scales, values)
+
+
+def _vector(best: Fit) -> np.ndarray:
+    return best.unknowns.vector(best.values)
+
+
+def _functional(columns: np.ndarray, size: np.ndarray, best: Fit) -> np.ndarray:
+    """What the fitted unknowns contribute (n, p), of that of all parameters of the links."""
+    none = np.zeros(len(columns))
+    return np.column_stack(
+        [
+            columns[:, int(key[1])] / size[int(key[1])] if field_of(key) == LINK else none
+            for key in best.unknowns.keys
+        ]
+    )
+
+
+def _result(
+    arm: _Arm,
+    best: Fit,
+    covered: np.ndarray,
+    size: np.ndarray,
+    part: float,
+    length: float,
+    about: list[str],
+) -> ArmJointFit:
+    values, errors, undetermined = reported_values(best, covered)
+    for named in (values, errors, undetermined):
+        for key in best.unknowns.keys:
+            if field_of(key) == LINK:
+                named.pop(name_of(key), None)
+    sizes = best.unknowns.all("size")
+    covariance = covered * np.outer(sizes, sizes)
+    for name, row in _loads_of(arm, best, size):
+        value, error = float(row @ _vector(best)), float(np.sqrt(row @ covariance @ row))
+        for named in (values, errors, undetermined):
+            named.pop(name, None)
+        values[name], errors[name] = value, error
+    undetermined["asymmetry"] = "acts like an offset while the joint slides"
+    noises = left_noises(arm, best, part, length)
+    usable, reasons = verdict_of(best, noises, part, 0.0)
+    return ArmJointFit(
+        values,
+        errors,
+        undetermined,
+        tuple(map(name_of, best.unknowns.keys)),
+        covariance,
+        usable,
+        reasons,
+        [*findings_of([arm.own]), *about],
+        part,
+        arm.own,
+    )
+
+
+def left_noises(arm: _Arm, best: Fit, part: float, length: float) -> float:
+    """Residuals in the noise of the averaged torque and of the acceleration."""
+    return np.inf
+
+
+def _loads_of(arm: _Arm, best: Fit, size: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """How fitted unknowns (p,) make inertia and largest load by gravity."""
+    inertia = np.mean(_functional(arm.loads.per_speed, size, best), axis=0)
+    yield "inertia", inertia + (np.array([key == "inertia" for key in best.unknowns.keys]))
+    weights = _functional(arm.loads.gravity[::EVERY], size, best)
+    yield "gravity", weights[int(np.argmax(np.abs(weights @ _vector(best))))]
