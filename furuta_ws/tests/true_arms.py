@@ -191,7 +191,7 @@ def moved_arm(seed: int, urdf: Path) -> tuple[TrueArm, str, Moved]:
         "viscous": arm.viscous,
         "offset": arm.offset + arm.alpha0 * arm.asymmetry,
         "inertia": arm.rotor + float(np.mean(alone)),
-        "gravity": float(gravity[np.argmax(np.abs(gravity))]),
+        "gravity": float(np.max(np.abs(gravity))),
         "gravity_friction": arm.gravity_friction,
     }
     urdf.write_text(urdf_of(list(links), list(angles)), encoding="utf-8")

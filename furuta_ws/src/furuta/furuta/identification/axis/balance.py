@@ -122,14 +122,16 @@ def bump_of(length: float, step: float) -> Bump:
     return Bump(value, -np.gradient(value) / step, np.diff(np.pad(value, 1), 2) / step**2)
 
 
-def bump_length(recording: Recording) -> float:
+def bump_length(
+    recording: Recording, shortest: float = SHORTEST, small: float = SMALL
+) -> float:
     """The shortest length [s] at which the noise of the position hardly changes the inertia."""
-    part, length = smoothed(recording), SHORTEST
+    part, length = smoothed(recording), shortest
     position = np.interp(part.time, recording.time, recording.measured[:, PHI])
     while length < LONGEST:
         second = bump_of(length, part.time[1] - part.time[0]).second
         found = np.convolve(position, second, "valid") if len(second) < len(position) else position
-        if position_noise(recording) * np.linalg.norm(second) < SMALL * np.std(found):
+        if position_noise(recording) * np.linalg.norm(second) < small * np.std(found):
             break
         length *= 1.5
     return min(length, LONGEST)

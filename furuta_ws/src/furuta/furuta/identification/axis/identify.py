@@ -318,8 +318,11 @@ def _result(
             f"{recordings[0].name}: the inertia is not determined: {undetermined['inertia']}; "
             "record a motion that accelerates"
         )
-    noises = left / sensor if torques is None else np.inf
-    usable, reasons = verdict_of(best, noises, part, errors["inertia"] / values["inertia"])
+    noises, of = np.inf, "torque"
+    if torques is None:
+        noises = left / sensor
+        of = f"motion, {noises:.1f} times the noise of the position"
+    usable, reasons = verdict_of(best, noises, part, errors["inertia"] / values["inertia"], of)
     findings = findings_of(recordings)
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
@@ -368,14 +371,13 @@ def _together(key: Key, best: Fit) -> Group:
     return group if key in group and set(group) <= set(best.unknowns.keys) else (key,)
 
 
-def verdict_of(best: Fit, noises: float, part: float, inertia_error: float) -> tuple[str, list[str]]:
-    """Whether the values are usable, and why not."""
+def verdict_of(
+    best: Fit, noises: float, part: float, inertia_error: float, of: str
+) -> tuple[str, list[str]]:
+    """Whether the values are usable, and why not; what is left over is a ``part`` ``of`` that."""
     reasons, usable = [], "yes"
     if noises > EXPLAINED and part > DOUBTFUL:
         usable = "no" if part > USELESS else "doubtful"
-        of = "torque"
-        if np.isfinite(noises):
-            of = f"motion, {noises:.1f} times the noise of the position"
         reasons.append(
             f"the model leaves {100.0 * part:.1f} % of the {of}: something acts that it does not "
             "have"

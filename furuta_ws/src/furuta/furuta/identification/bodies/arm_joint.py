@@ -17,6 +17,7 @@ import numpy as np
 
 from furuta.identification.axis.balance import (
     BY_CHANCE,
+    FEWEST_BLOCKS,
     Bump,
     Rows,
     axis_columns,
@@ -29,26 +30,34 @@ from furuta.identification.axis.balance import (
     with_effects,
 )
 from furuta.identification.axis.effects import Group, Scales
-from furuta.identification.axis.identify import reported_values, unit_of, usable_part, verdict_of
+from furuta.identification.axis.identify import (
+    NOT_DISTINGUISHABLE,
+    reported_values,
+    unit_of,
+    usable_part,
+    verdict_of,
+)
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
 from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
 from furuta.identification.errors import series_noise
 from furuta.identification.least_squares import Fit
-from furuta.identification.selection import chance_of
+from furuta.identification.selection import chance_of, significance
 from furuta.identification.unknowns import Key, field_of, name_of
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
 from furuta_recordings.recording import Recording, findings_of
 
+# Shortest bump [s]: an arm reverses often. Noise of the acceleration relative to it that is small:
+# inertias are made too small by the square of it, and are known to 1e-3.
+SHORTEST, SMALL = 0.06, 0.01
 # What every joint has.
-ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", "asymmetry", ("offset", 0))
+ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", ("offset", 0))
 # Effects that are looked for, beside waves.
 EFFECTS: tuple[Key, ...] = (
     "delay",
     "viscous_difference",
     "drag",
-    "load_friction",
     "gravity_friction",
 )
 # A parameter of the links, of which several make one load.
@@ -63,6 +72,8 @@ GAP = 5.0
 FEWEST_ROWS = 3.0
 # Samples over which a load is searched for its largest value: every so many.
 EVERY = 10
+# Friction by gravity changes what gravity is found to be: fits until that has settled.
+SETTLED = 4
 
 
 class ArmJointFit(NamedTuple):
@@ -127,7 +138,7 @@ def identify_arm_joint(
     """
     own, positions = _together(recording, others)
     arm, about = _arm(own, positions, urdf)
-    length = bump_length(own)
+    length = bump_length(own, SHORTEST, SMALL)
     rows, size = _rows(arm, length, np.zeros(len(arm.part.time)))
     if len(rows.torque) < FEWEST_ROWS * len(ALWAYS):
         raise ParameterError(
@@ -136,13 +147,19 @@ def identify_arm_joint(
         )
     links = _independent(rows) if urdf is not None else _relevant(rows, arm)
     first = _fitted(rows, links, arm)
-    level = max(first.values["alpha0"], 0.0)
-    arm = arm._replace(scales=_scales(arm.part, level))
-    weight = _functional(arm.loads.gravity, size, first)
-    rows, size = _rows(arm, length, weight @ _vector(first))
-    best = with_effects(rows, _fitted(rows, links, arm), arm.scales, [(key,) for key in EFFECTS])
-    covered = covariance_with_missed(rows, best, arm.scales, [(key,) for key in EFFECTS])
-    return _result(arm, best, covered, size, left_over(rows, best), length, about)
+    arm = arm._replace(scales=_scales(arm.part, max(first.values["alpha0"], 0.0)))
+    best = first
+    few = best.segments < FEWEST_BLOCKS * len(best.unknowns)
+    effects: list[Group] = [] if few else [(key,) for key in EFFECTS]
+    for _ in range(SETTLED if effects else 0):
+        weight = _functional(arm.loads.gravity, size, best) @ _vector(best)
+        rows, size = _rows(arm, length, weight)
+        best = with_effects(rows, _fitted(rows, links, arm), arm.scales, effects)
+        if "gravity_friction" not in best.unknowns.keys:
+            break
+    covered = covariance_with_missed(rows, best, arm.scales, effects)
+    noises = float(np.sqrt(np.mean(best.state.residuals**2))) / _noise(arm, best, length)
+    return _result(arm, best, covered, size, (noises, left_over(rows, best)), about)
 
 
 def _together(
@@ -227,9 +244,7 @@ def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarra
     def columns(bump: Bump, own: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
         momenta, rests = arm.loads.momentum.T, arm.loads.rest.T
         found = axis_columns(bump, own, part, arm.scales)
-        side, torque = found["alpha0"], own.commanded_at(part.time)
-        found["load_friction"] = side * bump.mean(np.abs(torque))
-        found["gravity_friction"] = side * bump.mean(np.abs(weight))
+        found["gravity_friction"] = found["alpha0"] * bump.mean(np.abs(weight))
         for n, (momentum, rest) in enumerate(zip(momenta, rests, strict=True)):
             found[LINK, n] = bump.slope(momentum) + bump.mean(rest)
         return found
@@ -247,7 +262,7 @@ def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarra
 
 def _own_basis(rows: Rows) -> np.ndarray:
     """An orthonormal basis of what the joint has without the links."""
-    own = np.column_stack([rows.columns[key] for key in ALWAYS if key != "asymmetry"])
+    own = np.column_stack([rows.columns[key] for key in ALWAYS])
     return np.linalg.qr(own / np.linalg.norm(own, axis=0))[0]
 
 
@@ -317,8 +332,7 @@ def _result(
     best: Fit,
     covered: np.ndarray,
     size: np.ndarray,
-    part: float,
-    length: float,
+    left: tuple[float, float],
     about: list[str],
 ) -> ArmJointFit:
     values, errors, undetermined = reported_values(best, covered)
@@ -329,13 +343,16 @@ def _result(
     sizes = best.unknowns.all("size")
     covariance = covered * np.outer(sizes, sizes)
     for name, row in _loads_of(arm, best, size):
-        value, error = float(row @ _vector(best)), float(np.sqrt(row @ covariance @ row))
+        value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row)
         for named in (values, errors, undetermined):
             named.pop(name, None)
-        values[name], errors[name] = value, error
-    undetermined["asymmetry"] = "acts like an offset while the joint slides"
-    noises = left_noises(arm, best, part, length)
-    usable, reasons = verdict_of(best, noises, part, 0.0)
+        if significance(np.array([value]), np.array([[variance]]), best.segments) < BY_CHANCE:
+            values[name], errors[name] = value, float(np.sqrt(variance))
+        else:
+            undetermined[name] = f"{value:.3g} ± {np.sqrt(variance):.2g}: {NOT_DISTINGUISHABLE}"
+    undetermined["asymmetry"] = "acts like an offset while the joint slides, and is a part of it"
+    known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
+    usable, reasons = verdict_of(best, *left, known, f"torque, {left[0]:.1f} times its noise")
     return ArmJointFit(
         values,
         errors,
@@ -345,14 +362,17 @@ def _result(
         usable,
         reasons,
         [*findings_of([arm.own]), *about],
-        part,
+        left[1],
         arm.own,
     )
 
 
-def left_noises(arm: _Arm, best: Fit, part: float, length: float) -> float:
-    """Residuals in the noise of the averaged torque and of the acceleration."""
-    return np.inf
+def _noise(arm: _Arm, best: Fit, length: float) -> float:
+    """Standard deviation of an averaged torque by noise of torque and position."""
+    bump = bump_of(length, arm.part.time[1] - arm.part.time[0])
+    torque = series_noise(arm.own.command_time, arm.own.command) * np.linalg.norm(bump.value)
+    inertia = position_noise(arm.own) * np.linalg.norm(bump.second) * best.values["inertia"]
+    return float(np.hypot(torque, inertia))
 
 
 def _loads_of(arm: _Arm, best: Fit, size: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
