@@ -76,7 +76,9 @@ def torque_of(
         frame = link.rotation @ rotation_about(link.axis, angle)
         arm = np.broadcast_to(link.origin, turning.shape)
         pulled = pulled + np.cross(bending, arm) + np.cross(turning, np.cross(turning, arm))
-        pulled, turning, bending = (np.einsum("nji,nj->ni", frame, each) for each in (pulled, turning, bending))
+        pulled, turning, bending = (
+            np.einsum("nji,nj->ni", frame, each) for each in (pulled, turning, bending)
+        )
         own = speed[:, None] * link.axis
         bending = bending + rate[:, None] * link.axis + np.cross(turning, own)
         turning = turning + own
@@ -90,7 +92,9 @@ def torque_of(
     force, moment = forces[-1], moments[-1]
     for k in range(len(links) - 2, joint - 1, -1):
         force, moment = (np.einsum("nij,nj->ni", frames[k + 1], each) for each in (force, moment))
-        moment = moments[k] + moment + np.cross(np.broadcast_to(links[k + 1].origin, force.shape), force)
+        moment = (
+            moments[k] + moment + np.cross(np.broadcast_to(links[k + 1].origin, force.shape), force)
+        )
         force = forces[k] + force
     return np.asarray(moment @ links[joint].axis)
 
@@ -100,7 +104,9 @@ def _random_rotation(r: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     rpy = r.choice([-0.5, 0.0, 0.0, 0.5], 3) * pi
     if r.random() < 0.2:
         rpy = r.uniform(-pi, pi, 3)
-    parts = [rotation_about(axis, np.array(angle)) for axis, angle in zip(np.eye(3), rpy, strict=True)]
+    parts = [
+        rotation_about(axis, np.array(angle)) for axis, angle in zip(np.eye(3), rpy, strict=True)
+    ]
     return rpy, parts[2] @ parts[1] @ parts[0]
 
 
@@ -202,10 +208,12 @@ def urdf_of(links: list[Link], angles: list[np.ndarray]) -> str:
     """The arm's geometry."""
     parts = ['<robot name="arm"><link name="link0"/>']
     for k, (link, rpy) in enumerate(zip(links, angles, strict=True), start=1):
-        xyz, rpy, axis = (" ".join(map(repr, map(float, each))) for each in (link.origin, rpy, link.axis))
+        origin = " ".join(map(repr, map(float, link.origin)))
+        turned = " ".join(map(repr, map(float, rpy)))
+        axis = " ".join(map(repr, map(float, link.axis)))
         parts.append(
             f'<link name="link{k}"/><joint name="joint{k}" type="revolute">'
             f'<parent link="link{k - 1}"/><child link="link{k}"/>'
-            f'<origin xyz="{xyz}" rpy="{rpy}"/><axis xyz="{axis}"/></joint>'
+            f'<origin xyz="{origin}" rpy="{turned}"/><axis xyz="{axis}"/></joint>'
         )
     return "\n".join([*parts, "</robot>"])

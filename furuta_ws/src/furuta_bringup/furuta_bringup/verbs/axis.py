@@ -20,6 +20,7 @@ from furuta_ros.errors import UserError
 if TYPE_CHECKING:
     from furuta.axis.axis import Axis, Controller
     from furuta.identification.axis.identify import AxisFit
+    from furuta.identification.bodies.arm_joint import ArmJointFit
     from furuta.limit_cycles.joint import JointCycle
 
 # Motions without end about a reference at rest.
@@ -116,6 +117,19 @@ class Length(click.ParamType):
     help="Joint to use if a bag has several; repeatable, to identify each of them.",
 )
 @click.option(
+    "--moving",
+    metavar="NAME[=COLUMN]",
+    multiple=True,
+    help="Another joint of the arm that moves in the recording; repeatable. Identifies the "
+    "friction of --joint alone.",
+)
+@click.option(
+    "--urdf",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Geometry of the arm, with joints that are named as --joint and --moving.",
+)
+@click.option(
     "--torque-constant",
     type=FiniteRange(),
     default=1.0,
@@ -161,6 +175,8 @@ def command(
     position: str | None,
     driven: str | None,
     joints: tuple[str, ...],
+    moving: tuple[str, ...],
+    urdf: Path | None,
     torque_constant: float,
     clock: str | None,
     lead: float,
@@ -187,11 +203,13 @@ def command(
         raise click.UsageError("give either --pid or --cascade")
     if (inertia is not None, friction is not None) != (not records, not records):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    if len(joints) > 1 and (controllers or prove or out is not None):
-        raise click.UsageError("several joints have no common controller, --prove or --out")
-    if save is not None and not records:
-        raise click.UsageError("--save writes what is identified: give --identify FILE")
+    analysed = bool(controllers) or prove or out is not None
+    in_arm = bool(moving) or urdf is not None
+    _refuse_combinations(records, joints, analysed, save, in_arm)
     columns = (position, driven, torque_constant, clock, lead)
+    if in_arm:
+        _identify_in_arm(records[0], columns, joints[0], moving, urdf, force, as_json)
+        return
     if not controllers:
         _save(save, _identify(records, columns, joints, force, as_json))
         return
@@ -241,6 +259,20 @@ def command(
         _save(save, [fit], controller, result["recommended"])
 
 
+def _refuse_combinations(
+    records: Sequence[Path], joints: Sequence[str], analysed: bool, save: Path | None, in_arm: bool
+) -> None:
+    """Raise for a controller, --prove or --out (``analysed``), or --save, where none can be."""
+    if len(joints) > 1 and analysed:
+        raise click.UsageError("several joints have no common controller, --prove or --out")
+    if save is not None and not records:
+        raise click.UsageError("--save writes what is identified: give --identify FILE")
+    if in_arm and (analysed or save is not None):
+        raise click.UsageError("--moving and --urdf identify only, and write no joint file")
+    if in_arm and (len(records) != 1 or len(joints) != 1):
+        raise click.UsageError("--moving and --urdf need one --identify FILE and one --joint")
+
+
 def _loop_of_node(fit: AxisFit) -> dict[str, Any]:
     """The loop with a friction observer that is a node of its own, on a robot like the recorded.
 
@@ -264,7 +296,32 @@ def _fit(records: Iterable[Path], columns: Sequence[Any], joint: str | None) -> 
     )
 
 
-def _report(fit: AxisFit, as_json: bool) -> dict[str, Any]:
+def _identify_in_arm(
+    record: Path,
+    columns: Sequence[Any],
+    joint: str,
+    moving: Iterable[str],
+    urdf: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Show the friction of a joint of an arm that moves; raises if it is not usable."""
+    from furuta.identification.bodies.arm_joint import identify_arm_joint
+    from furuta_recordings.readers import read_axis
+    from furuta_recordings.readers.mapping import NO_COMMAND
+
+    position, driven, constant, clock, lead = columns
+    others = []
+    for each in moving:
+        name, _, column = each.partition("=")
+        others.append(read_axis(record, column or None, NO_COMMAND, joint=name, time=clock))
+    own = read_axis(record, position, driven, constant, joint, clock, lead)
+    fit = identify_arm_joint(own, others, urdf)
+    show(_report(fit, as_json), as_json)
+    _refuse_unusable(fit, force)
+
+
+def _report(fit: AxisFit | ArmJointFit, as_json: bool) -> dict[str, Any]:
     return {name: value for name, value in fit.report().items() if as_json or name != "covariance"}
 
 
@@ -326,7 +383,7 @@ def _save(
         write_joint_file(path, named, controller, recommended)
 
 
-def _refuse_unusable(fit: AxisFit, force: bool) -> None:
+def _refuse_unusable(fit: AxisFit | ArmJointFit, force: bool) -> None:
     from furuta.identification.result.report import UNUSABLE
 
     if fit.usable == UNUSABLE and not force:

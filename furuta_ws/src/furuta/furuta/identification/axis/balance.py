@@ -94,7 +94,7 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     """
     keys = [key for key in about.unknowns.keys if key not in TESTED]
     length = max(bump_length(recording) for recording in recordings)
-    rows = sliding_rows(recordings, length, lambda *each: axis_columns(*each, scales))
+    rows = sliding_rows(recordings, length, lambda *each: axis_columns(*each, scales=scales))
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
     singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
@@ -122,9 +122,7 @@ def bump_of(length: float, step: float) -> Bump:
     return Bump(value, -np.gradient(value) / step, np.diff(np.pad(value, 1), 2) / step**2)
 
 
-def bump_length(
-    recording: Recording, shortest: float = SHORTEST, small: float = SMALL
-) -> float:
+def bump_length(recording: Recording, shortest: float = SHORTEST, small: float = SMALL) -> float:
     """The shortest length [s] at which the noise of the position hardly changes the inertia."""
     part, length = smoothed(recording), shortest
     position = np.interp(part.time, recording.time, recording.measured[:, PHI])

@@ -318,10 +318,9 @@ def _result(
             f"{recordings[0].name}: the inertia is not determined: {undetermined['inertia']}; "
             "record a motion that accelerates"
         )
-    noises, of = np.inf, "torque"
-    if torques is None:
-        noises = left / sensor
-        of = f"motion, {noises:.1f} times the noise of the position"
+    noises = left / sensor if torques is None else np.inf
+    moved = f"motion, {noises:.1f} times the noise of the position"
+    of = moved if torques is None else "torque"
     usable, reasons = verdict_of(best, noises, part, errors["inertia"] / values["inertia"], of)
     findings = findings_of(recordings)
     if torques is not None:

@@ -29,7 +29,7 @@ from furuta.identification.axis.balance import (
     sliding_rows,
     with_effects,
 )
-from furuta.identification.axis.effects import Group, Scales
+from furuta.identification.axis.effects import Scales
 from furuta.identification.axis.identify import (
     NOT_DISTINGUISHABLE,
     reported_values,
@@ -41,8 +41,8 @@ from furuta.identification.axis.segments import Smoothed, position_noise, smooth
 from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
 from furuta.identification.errors import series_noise
 from furuta.identification.least_squares import Fit
-from furuta.identification.selection import chance_of, significance
-from furuta.identification.unknowns import Key, field_of, name_of
+from furuta.identification.selection import significance
+from furuta.identification.unknowns import Key, Values, field_of, name_of
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
@@ -53,7 +53,8 @@ from furuta_recordings.recording import Recording, findings_of
 SHORTEST, SMALL = 0.06, 0.01
 # What every joint has.
 ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", ("offset", 0))
-# Effects that are looked for, beside waves.
+# Effects that are looked for, beside waves, with the arm's geometry; without it they only widen
+# the errors.
 EFFECTS: tuple[Key, ...] = (
     "delay",
     "viscous_difference",
@@ -64,6 +65,10 @@ EFFECTS: tuple[Key, ...] = (
 LINK = "link"
 # Part of a column that others do not explain, below which it is left out.
 INDEPENDENT = 0.02
+# Part of the squares that an approximation of the load explains, below which it is left out.
+EXPLAINS = 0.02
+# Blocks for each unknown of an approximation.
+BLOCKS = 1.0
 # Friction level that is expected before anything is known, in the torque.
 LEVEL = 0.1
 # Usual intervals without a position of another joint from which that is not interpolated.
@@ -145,21 +150,28 @@ def identify_arm_joint(
             f"{own.name}: the joint slides in one direction for {length:.2g} s in "
             f"{len(rows.torque)} places only; record longer or wider moves"
         )
-    links = _independent(rows) if urdf is not None else _relevant(rows, arm)
+    links = _independent(rows) if urdf is not None else _relevant(rows)
     first = _fitted(rows, links, arm)
     arm = arm._replace(scales=_scales(arm.part, max(first.values["alpha0"], 0.0)))
-    best = first
+    best, effects = first, [(key,) for key in EFFECTS]
     few = best.segments < FEWEST_BLOCKS * len(best.unknowns)
-    effects: list[Group] = [] if few else [(key,) for key in EFFECTS]
+    if few and urdf is not None:
+        effects = []
+        about.append(f"{own.name}: too short to look for {', '.join(map(name_of, EFFECTS))}")
     for _ in range(SETTLED if effects else 0):
         weight = _functional(arm.loads.gravity, size, best) @ _vector(best)
         rows, size = _rows(arm, length, weight)
-        best = with_effects(rows, _fitted(rows, links, arm), arm.scales, effects)
+        best = _fitted(rows, links, arm)
+        if urdf is not None:
+            best = with_effects(rows, best, arm.scales, effects)
         if "gravity_friction" not in best.unknowns.keys:
             break
     covered = covariance_with_missed(rows, best, arm.scales, effects)
+    if urdf is None:
+        covered = covered + _shift(best, _fitted(rows, links[: len(links) // 2], arm))
     noises = float(np.sqrt(np.mean(best.state.residuals**2))) / _noise(arm, best, length)
-    return _result(arm, best, covered, size, (noises, left_over(rows, best)), about)
+    left = noises, left_over(rows, best)
+    return _result(arm, best, covered, size, left, about, urdf is not None)
 
 
 def _together(
@@ -198,11 +210,11 @@ def _arm(
     """The joint among the others, and what is to be said of that."""
     part = smoothed(own)
     parts = {own.joint: part, **{name: smoothed(each) for name, each in positions.items()}}
-    q, v = ({name: each[k] for name, each in parts.items()} for k in (1, 2))
+    q = {name: each.position for name, each in parts.items()}
+    v = {name: each.speed for name, each in parts.items()}
     scales = _scales(part, LEVEL * float(np.sqrt(np.mean(part.torque**2))))
     if urdf is None:
-        found = "the load by the links is approximated without geometry; give --urdf"
-        return _Arm(own, part, _dictionary(own.joint, q, v), scales), [f"{own.name}: {found}"]
+        return _Arm(own, part, _dictionary(own.joint, q, v), scales), []
     joints = read_linkage(urdf)
     names = [joint.name for joint in joints if joint.kind != "fixed"]
     unknown = [name for name in parts if name not in names]
@@ -272,11 +284,11 @@ def _independent(rows: Rows) -> list[Key]:
     keys = [key for key in rows.columns if field_of(key) == LINK]
     left = np.column_stack([rows.columns[key] for key in keys])
     left = left - basis @ (basis.T @ left)
-    norms, chosen = np.sqrt(len(left)), []
+    size, chosen = np.sqrt(len(left)), list[Key]()
     while len(chosen) < len(keys):
         sizes = np.linalg.norm(left, axis=0)
         k = int(np.argmax(sizes))
-        if sizes[k] < INDEPENDENT * norms:
+        if sizes[k] < INDEPENDENT * size:
             break
         column = left[:, k] / sizes[k]
         left = left - np.outer(column, column @ left)
@@ -284,20 +296,21 @@ def _independent(rows: Rows) -> list[Key]:
     return chosen
 
 
-def _relevant(rows: Rows, arm: _Arm) -> list[Key]:
-    """Approximations of the load that explain the torque, as long as blocks of time support it."""
+def _relevant(rows: Rows) -> list[Key]:
+    """Approximations of the load that explain the torque, as many as the blocks of time allow."""
     basis = _own_basis(rows)
     keys = [key for key in rows.columns if field_of(key) == LINK]
     left = np.column_stack([rows.columns[key] for key in keys])
     left = left - basis @ (basis.T @ left)
     torque = rows.torque - basis @ (basis.T @ rows.torque)
     chosen: list[Key] = []
-    while len(chosen) < len(keys):
+    most = int(len(np.unique(rows.block)) / BLOCKS) - len(ALWAYS)
+    for _ in range(min(most, len(keys))):
         sizes = np.linalg.norm(left, axis=0)
         usable = sizes > INDEPENDENT * np.sqrt(len(left))
         gains = np.where(usable, (left.T @ torque) / np.maximum(sizes, 1e-300), 0.0) ** 2
         k = int(np.argmax(gains))
-        if not usable[k] or chance_of(_fitted(rows, [*chosen, keys[k]], arm), (keys[k],)) > BY_CHANCE:
+        if gains[k] < EXPLAINS * float(torque @ torque):
             break
         column = left[:, k] / sizes[k]
         left = left - np.outer(column, column @ left)
@@ -308,8 +321,17 @@ def _relevant(rows: Rows, arm: _Arm) -> list[Key]:
 
 def _fitted(rows: Rows, links: Sequence[Key], arm: _Arm) -> Fit:
     inertia = arm.scales.torque / float(np.sqrt(np.mean(arm.part.acceleration**2)))
-    values = {"inertia": inertia, "stribeck_velocity": arm.scales.speed}
+    values: Values = {"inertia": inertia, "stribeck_velocity": arm.scales.speed}
     return fitted_balance(rows, (*ALWAYS, *links), arm.scales, values)
+
+
+def _shift(best: Fit, fewer: Fit) -> np.ndarray:
+    """Covariance (p, p) in sizes by how a fit with fewer approximations of the load differs."""
+    values = {**dict.fromkeys(best.unknowns.keys, 0.0), **fewer.values}
+    links = np.array([field_of(key) == LINK for key in best.unknowns.keys])
+    shift = (best.unknowns.vector(values) - _vector(best)) / best.unknowns.all("size")
+    shift[links] = 0.0
+    return np.outer(shift, shift)
 
 
 def _vector(best: Fit) -> np.ndarray:
@@ -334,7 +356,9 @@ def _result(
     size: np.ndarray,
     left: tuple[float, float],
     about: list[str],
+    has_geometry: bool,
 ) -> ArmJointFit:
+    """Values, errors and verdict, from what is left over in its noise and in the torque."""
     values, errors, undetermined = reported_values(best, covered)
     for named in (values, errors, undetermined):
         for key in best.unknowns.keys:
@@ -351,8 +375,15 @@ def _result(
         else:
             undetermined[name] = f"{value:.3g} ± {np.sqrt(variance):.2g}: {NOT_DISTINGUISHABLE}"
     undetermined["asymmetry"] = "acts like an offset while the joint slides, and is a part of it"
+    for name in () if has_geometry else ("gravity", "offset"):
+        if values.pop(name, None) is not None:
+            del errors[name]
+        undetermined[name] = "needs the arm's geometry"
     known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
     usable, reasons = verdict_of(best, *left, known, f"torque, {left[0]:.1f} times its noise")
+    if not has_geometry:
+        usable = "doubtful" if usable == "yes" else usable
+        reasons.append("the load by the links is approximated: give the arm's geometry")
     return ArmJointFit(
         values,
         errors,

@@ -104,8 +104,10 @@ def _joint(path: str | Path, element: ElementTree.Element, parent: int | None) -
             f"{path}: joint {name} is of the type {kind or '(none)'}; supported are "
             f"{', '.join((*TURNING, *SLIDING, *FIXED))}"
         )
-    roll, pitch, yaw = _numbers(path, element, "origin", "rpy", "0 0 0")
-    turns = [_turned(axis, np.array([angle])) for axis, angle in zip(np.eye(3), (roll, pitch, yaw))]
+    angles = _numbers(path, element, "origin", "rpy", "0 0 0")
+    roll, pitch, yaw = (
+        _turned(axis, angle)[0] for axis, angle in zip(np.eye(3), angles[:, None], strict=True)
+    )
     axis = _numbers(path, element, "axis", "xyz", "1 0 0")
     if not np.any(axis):
         raise ParameterError(f"{path}: the axis of joint {name} is zero")
@@ -114,7 +116,7 @@ def _joint(path: str | Path, element: ElementTree.Element, parent: int | None) -
         kind,
         parent,
         _numbers(path, element, "origin", "xyz", "0 0 0"),
-        (turns[2] @ turns[1] @ turns[0])[0],
+        yaw @ pitch @ roll,
         axis / np.linalg.norm(axis),
     )
 
@@ -158,7 +160,9 @@ def link_loads(
     ``positions`` and ``speeds`` are series (n,) by joint. Joints without one are fixed at 0.
     """
     own = next(k for k, joint in enumerate(joints) if joint.name == name)
-    beyond = [k for k in range(len(joints)) if joints[k].name in positions and _holds(joints, own, k)]
+    beyond = [
+        k for k in range(len(joints)) if joints[k].name in positions and _holds(joints, own, k)
+    ]
     poses = _poses(joints, positions, speeds)
     alone = _poses(joints, positions, {name: np.ones_like(speeds[name])})
     here, axis = poses[own], poses[own].axis
@@ -188,7 +192,9 @@ def _holds(joints: Sequence[LinkJoint], own: int, other: int) -> bool:
 
 
 def _poses(
-    joints: Sequence[LinkJoint], positions: Mapping[str, np.ndarray], speeds: Mapping[str, np.ndarray]
+    joints: Sequence[LinkJoint],
+    positions: Mapping[str, np.ndarray],
+    speeds: Mapping[str, np.ndarray],
 ) -> list[_Pose]:
     """All links along a motion, in the frame of the first one."""
     none = np.zeros_like(next(iter(positions.values())))
