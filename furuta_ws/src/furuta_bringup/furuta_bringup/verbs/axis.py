@@ -203,9 +203,8 @@ def command(
         raise click.UsageError("give either --pid or --cascade")
     if (inertia is not None, friction is not None) != (not records, not records):
         raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    analysed = bool(controllers) or prove or out is not None
     in_arm = bool(moving) or urdf is not None
-    _refuse_combinations(records, joints, analysed, save, in_arm)
+    _refuse_combinations(records, joints, bool(controllers or prove or out), save, in_arm)
     columns = (position, driven, torque_constant, clock, lead)
     if in_arm:
         _identify_in_arm(records[0], columns, joints[0], moving, urdf, force, as_json)

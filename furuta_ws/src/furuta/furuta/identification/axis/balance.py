@@ -9,6 +9,7 @@ bump and integrated by parts, so that torque and acceleration are filtered alike
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -94,7 +95,7 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     """
     keys = [key for key in about.unknowns.keys if key not in TESTED]
     length = max(bump_length(recording) for recording in recordings)
-    rows = sliding_rows(recordings, length, lambda *each: axis_columns(*each, scales=scales))
+    rows = sliding_rows(recordings, length, partial(axis_columns, scales))
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
     singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
@@ -164,7 +165,7 @@ def _has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
 
 
 def axis_columns(
-    bump: Bump, recording: Recording, part: Smoothed, scales: Scales
+    scales: Scales, bump: Bump, recording: Recording, part: Smoothed
 ) -> dict[Key, np.ndarray]:
     """The torque, and what each unknown of an axis contributes to it, averaged over bumps."""
     mean, torque = bump.mean, recording.commanded_at(part.time)

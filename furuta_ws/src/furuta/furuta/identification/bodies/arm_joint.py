@@ -255,7 +255,7 @@ def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarra
 
     def columns(bump: Bump, own: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
         momenta, rests = arm.loads.momentum.T, arm.loads.rest.T
-        found = axis_columns(bump, own, part, arm.scales)
+        found = axis_columns(arm.scales, bump, own, part)
         found["gravity_friction"] = found["alpha0"] * bump.mean(np.abs(weight))
         for n, (momentum, rest) in enumerate(zip(momenta, rests, strict=True)):
             found[LINK, n] = bump.slope(momentum) + bump.mean(rest)
