@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from furuta.identification.axis.balance import (
+    APART,
     BY_CHANCE,
     FEWEST_BLOCKS,
     Bump,
@@ -31,13 +32,16 @@ from furuta.identification.axis.balance import (
 )
 from furuta.identification.axis.effects import Scales
 from furuta.identification.axis.identify import (
+    EXPLAINED,
     NOT_DISTINGUISHABLE,
+    USELESS,
     reported_values,
     unit_of,
     usable_part,
     verdict_of,
 )
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
+from furuta.identification.axis.start import SLIDES
 from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
 from furuta.identification.errors import series_noise
 from furuta.identification.least_squares import Fit
@@ -51,6 +55,8 @@ from furuta_recordings.recording import Recording, findings_of
 # Shortest bump [s]: an arm reverses often. Noise of the acceleration relative to it that is small:
 # inertias are made too small by the square of it, and are known to 1e-3.
 SHORTEST, SMALL = 0.06, 0.01
+# Part of the time in which the joint slides that bumps must cover; shorter ones cover more.
+COVERED = 0.5
 # What every joint has.
 ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", ("offset", 0))
 # Effects that are looked for, beside waves, with the arm's geometry; without it they only widen
@@ -143,8 +149,11 @@ def identify_arm_joint(
     """
     own, positions = _together(recording, others)
     arm, about = _arm(own, positions, urdf)
-    length = bump_length(own, SHORTEST, SMALL)
-    rows, size = _rows(arm, length, np.zeros(len(arm.part.time)))
+    length, none = bump_length(own, SHORTEST, SMALL), np.zeros(len(arm.part.time))
+    rows, size = _rows(arm, length, none)
+    while length > SHORTEST and len(rows.torque) * APART * length < COVERED * _sliding(arm.part):
+        length = max(length / 1.5, SHORTEST)
+        rows, size = _rows(arm, length, none)
     if len(rows.torque) < FEWEST_ROWS * len(ALWAYS):
         raise ParameterError(
             f"{own.name}: the joint slides in one direction for {length:.2g} s in "
@@ -225,6 +234,12 @@ def _arm(
     still = [name for name in names if name not in parts]
     about = [f"{own.name}: taken to be fixed at 0: {', '.join(still)}"] if still else []
     return _Arm(own, part, link_loads(joints, own.joint, q, v), scales), about
+
+
+def _sliding(part: Smoothed) -> float:
+    """Time [s] in which the joint surely slides."""
+    speed = np.abs(part.speed)
+    return float(np.mean(speed > SLIDES * np.max(speed)) * np.ptp(part.time))
 
 
 def _scales(part: Smoothed, level: float) -> Scales:
@@ -381,6 +396,9 @@ def _result(
         undetermined[name] = "needs the arm's geometry"
     known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
     usable, reasons = verdict_of(best, *left, known, f"torque, {left[0]:.1f} times its noise")
+    if left[0] <= EXPLAINED and left[1] > USELESS:
+        usable = "doubtful" if usable == "yes" else usable
+        reasons.append(f"{100.0 * left[1]:.0f} % of the torque is noise")
     if not has_geometry:
         usable = "doubtful" if usable == "yes" else usable
         reasons.append("the load by the links is approximated: give the arm's geometry")
