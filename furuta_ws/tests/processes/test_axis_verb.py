@@ -96,12 +96,36 @@ def test_several_joints_of_a_bag(furuta: Any, robot: Path, tmp_path: Path) -> No
         assert parameters["sample_time"] == 0.002
 
 
+def test_a_joint_beside_another_that_moves(furuta: Any, robot: Path, tmp_path: Path) -> None:
+    """Its friction is found with the position of the other, with and without geometry."""
+    urdf = tmp_path / "robot.urdf"
+    urdf.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><link name="c"/>'
+        '<joint name="elbow" type="revolute"><parent link="a"/><child link="b"/>'
+        '<axis xyz="0 0 1"/></joint><joint name="wrist" type="revolute">'
+        '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>',
+        encoding="utf-8",
+    )
+    options = ("axis", "--identify", robot, "--joint", "elbow", "--json", "--moving", "wrist")
+    for geometry in ((), ("--urdf", urdf)):
+        status, out, err = furuta(*options, *geometry)
+        assert status == 0, err
+        found = json.loads(out)
+        assert found["units"]["alpha0"] == "N m"
+        assert found["left_over"] < 0.05
+        assert abs(found["alpha0"] - 0.1) < 3.0 * found["standard_errors"]["alpha0"]
+    status, _, err = furuta(*options[:-1], "hand", "--urdf", urdf)
+    assert (status, "no joint hand" in err, err.count("\n")) == (1, True, 1)
+
+
 def test_options_that_contradict_each_other(furuta: Any) -> None:
     several = ("--identify", "x.csv", "--joint", "a", "--joint", "b")
     for arguments, words in (
         ((*several, "--pid", "1", "0", "0"), "several joints have no common controller"),
         ((*several, "--out", "a.png"), "several joints have no common controller"),
         ((*AXIS, "--pid", "1", "2", "0", "--save", "a.yaml"), "--save writes what is identified"),
+        (("--identify", "x.csv", "--moving", "b"), "need one --identify FILE and one --joint"),
+        ((*AXIS, "--pid", "1", "2", "0", "--moving", "b"), "--moving and --urdf identify only"),
     ):
         status, _, err = furuta("axis", *arguments)
         assert (status, words in err) == (2, True), err
