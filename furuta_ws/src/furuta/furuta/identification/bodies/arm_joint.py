@@ -394,6 +394,8 @@ def _result(
         if values.pop(name, None) is not None:
             del errors[name]
         undetermined[name] = "needs the arm's geometry"
+    if not has_geometry:
+        undetermined["gravity_friction"] = "is a part of alpha0; needs the arm's geometry"
     known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
     usable, reasons = verdict_of(best, *left, known, f"torque, {left[0]:.1f} times its noise")
     if left[0] <= EXPLAINED and left[1] > USELESS:
