@@ -97,6 +97,31 @@ def test_loads_are_those_of_two_links_in_a_plane(urdf: Path) -> None:
         assert slope + loads.rest @ parameters == pytest.approx(torque, abs=2e-4)
 
 
+def test_loads_are_those_of_a_pole_on_a_cart(tmp_path: Path) -> None:
+    """A sliding joint needs a force, and carries a turning one."""
+    path = tmp_path / "cart.urdf"
+    path.write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><link name="c"/>'
+        '<joint name="cart" type="prismatic"><parent link="a"/><child link="b"/></joint>'
+        '<joint name="pole" type="continuous"><parent link="b"/><child link="c"/>'
+        '<axis xyz="0 1 0"/></joint></robot>',
+        encoding="utf-8",
+    )
+    series = {"cart": SHOULDER, "pole": ELBOW}
+    positions, speeds = ({name: each[k] for name, each in series.items()} for k in (0, 1))
+    cart, pole = np.zeros(10), np.zeros(10)
+    cart[9] = M1
+    pole[[3, 8, 9]] = I2 + M2 * C2**2, M2 * C2, M2
+    (_, _, a), (q, v, b) = SHOULDER, ELBOW
+    force = (M1 + M2) * a + M2 * C2 * (b * np.cos(q) - v**2 * np.sin(q))
+    torque = (I2 + M2 * C2**2) * b + M2 * C2 * (a * np.cos(q) - G * np.sin(q))
+    beyond = {"cart": (force, np.concatenate([cart, pole])), "pole": (torque, pole)}
+    for name, (expected, parameters) in beyond.items():
+        loads = link_loads(read_linkage(path), name, positions, speeds)
+        slope = np.gradient(loads.momentum @ parameters, TIME, edge_order=2)
+        assert slope + loads.rest @ parameters == pytest.approx(expected, abs=2e-4)
+
+
 def test_friction_of_a_joint_while_both_move(urdf: Path) -> None:
     """Friction, offset, mean inertia and gravity are those of the equations."""
     shoulder, elbow = shoulder_and_elbow()
