@@ -16,6 +16,10 @@ it.
 S-curves with and without feedforward, jogs, triangles, speed steps, random binary torques and
 sines, at 100 to 1000 Hz for 10 to 30 s.
 
+``arms`` are those of furuta_ws/tests/true_arms.py: arms of two to four links of which all joints
+move, with and without friction in proportion to gravity, for 20 to 40 s; ``arms-without-geometry``
+are the same without their URDF.
+
 For each value it prints how often the truth lies within two standard errors and how often beyond
 four, the median deviation in standard errors, which shows a bias, and the median standard error.
 """
@@ -25,12 +29,15 @@ import sys
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
 
 from furuta.identification.axis.identify import GRAVITY_TRAVEL, identify_axis
+from furuta.identification.bodies.arm_joint import identify_arm_joint
 from furuta.identification.identify import identify
 from furuta.identification.options import Options
 from furuta.identification.regression.equations import has_one_level
@@ -42,6 +49,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "test
 
 from driven_axes import MOTIONS, driven_axis  # type: ignore[import-not-found]
 from random_rigs import Rig, sampled  # type: ignore[import-not-found]
+from true_arms import moved_arm  # type: ignore[import-not-found]
 from true_axes import TrueAxis, random_axis  # type: ignore[import-not-found]
 
 NEAR, FAR = 2.0, 4.0
@@ -128,7 +136,25 @@ def _judged_axis(sample: TrueAxis, recording: Recording) -> Judged:
     return Judged(remark, groups, _compared(fit.values, fit.standard_errors, true))
 
 
-STUDIES: dict[str, Callable[[int], Judged]] = {"rigs": rig, "axes": axis, "drives": drive}
+def arm(seed: int, geometry: bool = True) -> Judged:
+    """A joint of a moving arm, of which all fits that are not useless count."""
+    with TemporaryDirectory() as folder:
+        urdf = Path(folder) / "arm.urdf"
+        _, motion, (recording, others, true) = moved_arm(seed, urdf)
+        fit = identify_arm_joint(recording, others, urdf if geometry else None)
+    missing = [name for name, value in true.items() if value and name not in fit.values]
+    remark = f"usable: {fit.usable}{', not determined: ' if missing else ''}{' '.join(missing)}"
+    groups = (f"usable or doubtful, {motion}", "together") if fit.usable != "no" else ()
+    return Judged(remark, groups, _compared(fit.values, fit.standard_errors, true))
+
+
+STUDIES: dict[str, Callable[[int], Judged]] = {
+    "rigs": rig,
+    "axes": axis,
+    "drives": drive,
+    "arms": arm,
+    "arms-without-geometry": partial(arm, geometry=False),
+}
 
 
 def main() -> None:

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         describing_function as describing_function,
     )
     from furuta.identification.axis.identify import identify_axis as identify_axis
+    from furuta.identification.bodies.arm_joint import identify_arm_joint as identify_arm_joint
     from furuta.identified_models import identified_values as identified_values
     from furuta.identified_models import identify as identify
     from furuta.limit_cycles.joint import Joint as Joint

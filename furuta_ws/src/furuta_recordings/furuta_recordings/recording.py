@@ -24,6 +24,7 @@ class Recording(NamedTuple):
     ``number`` are excerpts of one run. ``findings`` say how the content was interpreted. ``joint``
     names the only joint of the recording of an axis, ``units`` are those of its position and of its
     torque; ``position_unit`` is the unit that the file has for the position, with its size in them.
+    ``start`` is when ``time`` is 0 [s], by the clock of the file.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Recording(NamedTuple):
     joint: str = ""
     units: tuple[str, str] = ("rad", "N m")
     position_unit: tuple[str, float] = ("rad", 1.0)
+    start: float = 0.0
 
     def noting(self, finding: str) -> Recording:
         """With one more finding, which begins with the name."""

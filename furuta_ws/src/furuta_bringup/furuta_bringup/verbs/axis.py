@@ -20,6 +20,8 @@ from furuta_ros.errors import UserError
 if TYPE_CHECKING:
     from furuta.axis.axis import Axis, Controller
     from furuta.identification.axis.identify import AxisFit
+    from furuta.identification.bodies.arm_joint import ArmJointFit
+    from furuta.identification.bodies.servo import ServoFit
     from furuta.limit_cycles.joint import JointCycle
 
 GAIN = FiniteRange(0.0, 1e12)
@@ -116,6 +118,25 @@ class Length(click.ParamType):
     help="Joint to use if a bag has several; repeatable, to identify each of them.",
 )
 @click.option(
+    "--moving",
+    metavar="NAME[=COLUMN]",
+    multiple=True,
+    help="Another joint of the arm that moves in the recording; repeatable. Identifies the "
+    "friction of --joint alone.",
+)
+@click.option(
+    "--urdf",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Geometry of the arm, with joints that are named as --joint and --moving.",
+)
+@click.option(
+    "--goal",
+    metavar="COLUMN",
+    help="Column of the goal of a servo with a position loop of its own, in the unit of the "
+    "position. Identifies the servo in units of that loop's stiffness, without a torque.",
+)
+@click.option(
     "--torque-constant",
     type=FiniteRange(),
     default=1.0,
@@ -166,6 +187,9 @@ def command(
     position: str | None,
     driven: str | None,
     joints: tuple[str, ...],
+    moving: tuple[str, ...],
+    urdf: Path | None,
+    goal: str | None,
     torque_constant: float,
     clock: str | None,
     lead: float,
@@ -190,14 +214,17 @@ def command(
     controllers = [gains for gains in (pid, cascade) if gains is not None]
     if len(controllers) > 1:
         raise click.UsageError("give either --pid or --cascade")
-    if (inertia is not None, friction is not None) != (not records, not records):
-        raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    if len(joints) > 1 and (controllers or prove or out is not None or figure is not None):
-        raise click.UsageError(
-            "several joints have no common controller, --prove, --out or --figure"
-        )
-    _need_recording(records, {"--save writes": save, "--figure draws": figure})
     columns = (position, driven, torque_constant, clock, lead)
+    in_arm, analysed = bool(moving) or urdf is not None, bool(controllers or prove or out or figure)
+    described = (inertia is not None, friction is not None)
+    _refuse_combinations(described, records, joints, analysed, {"--save": save, "--figure": figure})
+    if in_arm or goal is not None:
+        _refuse_beside_arm_or_servo(records, analysed or save is not None, in_arm, joints, goal)
+        if goal is None:
+            _identify_in_arm(records[0], columns, joints[0], moving, urdf, force, as_json)
+        else:
+            _identify_servo(records[0], position, goal, clock, as_json)
+        return
     if not controllers:
         _save(save, _identify(records, columns, joints, force, figure, as_json))
         return
@@ -234,10 +261,43 @@ def command(
         _save(save, [fit], controller, result["recommended"])
 
 
-def _need_recording(records: Sequence[Path], files: Mapping[str, Path | None]) -> None:
-    for option, path in files.items():
-        if path is not None and not records:
-            raise click.UsageError(f"{option} what is identified: give --identify FILE")
+def _refuse_combinations(
+    described: tuple[bool, bool],
+    records: Sequence[Path],
+    joints: Sequence[str],
+    analysed: bool,
+    files: Mapping[str, Path | None],
+) -> None:
+    """Raise for a controller, --prove or a picture (``analysed``), or a file, where none can be.
+
+    An axis is ``described`` by inertia and friction, or by recordings.
+    """
+    if described != (not records, not records):
+        raise click.UsageError("give either --inertia and --friction, or --identify FILE")
+    if len(joints) > 1 and analysed:
+        raise click.UsageError(
+            "several joints have no common controller, --prove, --out or --figure"
+        )
+    given = [option for option, path in files.items() if path is not None]
+    if given and not records:
+        raise click.UsageError(f"{given[0]} needs what is identified: give --identify FILE")
+
+
+def _refuse_beside_arm_or_servo(
+    records: Sequence[Path],
+    more_than_identified: bool,
+    in_arm: bool,
+    joints: Sequence[str],
+    goal: str | None,
+) -> None:
+    """Raise for what --moving, --urdf and --goal do not go with."""
+    if in_arm and goal is not None:
+        raise click.UsageError("a servo is identified alone: give --goal or --moving")
+    given = "--moving and --urdf" if in_arm else "--goal"
+    if more_than_identified:
+        raise click.UsageError(f"no controller, picture or joint file with {given}")
+    if len(records) != 1 or (in_arm and len(joints) != 1):
+        raise click.UsageError(f"{given}: give one --identify FILE{' and one --joint' * in_arm}")
 
 
 def _advice(
@@ -304,11 +364,59 @@ def _fit(records: Iterable[Path], columns: Sequence[Any], joint: str | None) -> 
     )
 
 
+def _identify_in_arm(
+    record: Path,
+    columns: Sequence[Any],
+    joint: str,
+    moving: Iterable[str],
+    urdf: Path | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Show the friction of a joint of an arm that moves; raises if it is not usable."""
+    from furuta.identification.bodies.arm_joint import identify_arm_joint
+    from furuta_recordings.readers import read_axis
+    from furuta_recordings.readers.mapping import NO_COMMAND
+
+    position, driven, constant, clock, lead = columns
+    others = []
+    for each in moving:
+        name, _, column = each.partition("=")
+        others.append(read_axis(record, column or None, NO_COMMAND, joint=name, time=clock))
+    own = read_axis(record, position, driven, constant, joint, clock, lead)
+    fit = identify_arm_joint(own, others, urdf)
+    show(_shown(fit, as_json), as_json)
+    _require_usable(fit, force)
+
+
+def _identify_servo(
+    record: Path, position: str | None, goal: str, clock: str | None, as_json: bool
+) -> None:
+    """Show what goal and position tell of a servo."""
+    from furuta.identification.bodies.servo import identify_servo
+    from furuta_model.state import PHI
+    from furuta_recordings.readers import read_axis
+    from furuta_recordings.readers.mapping import NO_COMMAND
+
+    moved, wanted = (
+        read_axis(record, column, NO_COMMAND, time=clock) for column in (position, goal)
+    )
+    fit = identify_servo(
+        moved._replace(
+            command_time=wanted.time + (wanted.start - moved.start),
+            command=wanted.measured[:, PHI],
+        )
+    )
+    show(_shown(fit, as_json), as_json)
+
+
+def _shown(fit: AxisFit | ArmJointFit | ServoFit, as_json: bool) -> dict[str, Any]:
+    return {name: value for name, value in fit.report().items() if as_json or name != "covariance"}
+
+
 def _report(fit: AxisFit, figure: Path | None, as_json: bool) -> dict[str, Any]:
     """What is shown of a fit, after it has been drawn: also of one that is not usable."""
-    report = {
-        name: value for name, value in fit.report().items() if as_json or name != "covariance"
-    }
+    report = _shown(fit, as_json)
     if figure is not None:
         from furuta.figures.friction import draw_friction
         from furuta.identification.axis.friction_curve import axis_followed, axis_friction
@@ -377,7 +485,7 @@ def _save(
         write_joint_file(path, named, controller, recommended)
 
 
-def _require_usable(fit: AxisFit, force: bool) -> None:
+def _require_usable(fit: AxisFit | ArmJointFit, force: bool) -> None:
     if not force:
         fit.verdict.require("; --force uses it all the same")
 

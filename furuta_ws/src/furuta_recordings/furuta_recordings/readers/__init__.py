@@ -48,7 +48,8 @@ def read_axis(
     Args:
         path: A table or a bag.
         position: Column of the position, if its name is not a usual one.
-        command: Column or topic of what drives the axis; of a bag by default the joint's effort.
+        command: Column or topic of what drives the axis; of a bag by default the joint's effort;
+            "none" reads the position alone.
         torque_constant: Torque or force that a command of 1 V, A or N m stands for.
         joint: Joint in a bag, or in a table with several; needed if there are several.
         time: Column of the time, if its name is not a usual one.

@@ -71,7 +71,7 @@ def recording_of(
     given = np.isfinite(command) & np.isfinite(command_time)
     recording = Recording(
         name, time[rows] - start, measured[rows], command_time[given] - start, command[given]
-    )
+    )._replace(start=float(start))
     for text in told:
         recording = recording.noting(text)
     return recording

@@ -49,19 +49,21 @@ def read_bag_axis(path: Path, joint: str | None, command: str | None) -> Recordi
             _, states = _axis_states(path, read, types, None, with_effort=False)
             joint = only_one(path, list(states.joints), "axis", "--joint")
         topic, states = _axis_states(path, read, types, joint, drive.command == EFFORT)
-        driven = _command_topic(path, types, topic, drive)
+        driven = None if command == NO_COMMAND else _command_topic(path, types, topic, drive)
         commands = Series() if driven is None else read_series(bag, [driven])[driven]
     own = states.of_joint(joint)
     about = f"position of {joint} from {topic}" * (types[topic] != JOINT_STATE)
     # A measured effort is that before its sample, a commanded one that after it. The fit finds a
     # delay, but none below 0.
-    content = _Content(path, own, commands, driven is None, effort_is_past=True)
+    effort_drives = driven is None and command != NO_COMMAND
+    content = _Content(path, own, commands, effort_drives, effort_is_past=True)
     recording = content.recording([joint], about)
-    if not len(recording.command):
+    if not len(recording.command) and command != NO_COMMAND:
         raise ParameterError(
             f"{path}: no effort of joint {joint}; name the topic of its drive with --command"
         )
-    return recording._replace(joint=joint)
+    start = recording.start + float(own.arrivals[0]) / NANOSECONDS
+    return recording._replace(joint=joint, start=start)
 
 
 def _axis_states(

@@ -177,18 +177,24 @@ def read_axis_table(
     table = table_of(path)
     clock = clock_column(table, clock)
     where = _position_column(table, position, joint)
-    own_drive = joint_column(table.columns, joint, OF_JOINT) if joint and not command else None
-    driven = own_drive or _command_column(table, command, DRIVES)
+    if command == NO_COMMAND:
+        driven = None
+    else:
+        own_drive = joint_column(table.columns, joint, OF_JOINT) if joint and not command else None
+        driven = own_drive or _command_column(table, command, DRIVES)
     time, overflow = seconds(table, clock)
     own = _joint_of(table, where, _speed_column(table, where), POSITION_UNITS, AXIS_SPEED_UNITS)
     torque = in_si(table, driven, DRIVE_UNITS)
-    source = f"torque from column {driven}, position from {where}, times from {clock}"
-    units = unit_of(table, where), unit_of(table, driven)
+    source = f"position from {where}, times from {clock}"
+    source = f"torque from column {driven}, {source}" if driven else source
+    units = unit_of(table, where), unit_of(table, driven) if driven else ""
     moved = AXIS_UNITS.get(units[0], "rad")
     named = moved, AXIS_UNITS.get(units[1], "N" if moved == "m" else "N m")
     columns = zip((where, driven), units, named, strict=True)
     guessed = [
-        f"column {name} names no unit: taken as {own}" for name, unit, own in columns if not unit
+        f"column {name} names no unit: taken as {own}"
+        for name, unit, own in columns
+        if name and not unit
     ]
     findings = (overflow, source, *guessed)
     recording = recording_of(table.path.name, [own], time, (time, torque), findings)
@@ -204,7 +210,7 @@ def _position_column(table: Table, wanted: str | None, joint: str | None) -> str
         matching = matching or [n for n in columns if column(n).words == column(wanted).words]
     elif joint is not None:
         found = joint_column(columns, joint, ANGLE_WORDS)
-        matching = [found] if found else []
+        matching = [found] if found else [name for name in columns if name == joint]
     else:
         usual = [n for n in columns if column(n).words[-1:] in {(word,) for word in ANGLE_WORDS}]
         matching = [n for n in usual if len(column(n).words) == 1] or usual

@@ -8,7 +8,7 @@ bump and integrated by parts, so that torque and acceleration are filtered alike
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,15 +33,15 @@ from furuta.identification.unknowns import Key, Unknowns, Values
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
-# Shortest and longest bump [s], and noise of the acceleration relative to it that is small: a
+# Shortest and longest window [s], and noise of the acceleration relative to it that is small: a
 # regression makes the inertia too small by the square of it.
 SHORTEST, LONGEST, SMALL = 0.2, 1.0, 0.05
-# Fewest samples of a bump.
+# Fewest samples of a window.
 FEWEST_SAMPLES = 12.0
 # Part of a window's weight that need not slide in one direction: rounding.
 ROUNDING = 1e-9
 # Length [s] of a block of the jackknife, fewest blocks for each unknown, more than a recording has;
-# bumps begin by this part of their length apart.
+# windows begin by this part of their length apart.
 BLOCK, FEWEST_BLOCKS, MANY, APART = 0.5, 2.0, 10**9, 0.25
 # Largest probability by chance of an effect: errors of the torque that repeat with the motion look
 # like one.
@@ -60,12 +60,16 @@ class Balance(NamedTuple):
     part: float
 
 
-class _Rows(NamedTuple):
-    """Columns of the balance by name (n,), torque (n,) and block of each row (n,)."""
+class Rows(NamedTuple):
+    """Columns of the balance by key (n,), torque (n,) and block of each row (n,)."""
 
     columns: dict[Key, np.ndarray]
     torque: np.ndarray
     block: np.ndarray
+
+
+# The columns of a recording's balance, its torque among them, averaged over windows.
+Columns = Callable[[Windows, Recording, Smoothed], dict[Key, np.ndarray]]
 
 
 def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Balance | None:
@@ -76,7 +80,12 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     keys = [key for key in about.unknowns.keys if key not in TESTED]
     if min(map(_longest, recordings)) < SHORTEST:
         return None
-    rows = _rows(recordings, scales)
+
+    def columns(windows: Windows, recording: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
+        return torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+
+    length = max(window_length(recording) for recording in recordings)
+    rows = sliding_rows(recordings, length, columns)
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
     singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
@@ -86,21 +95,26 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     ]
     absent: list[Key] = [FALL[0], *TESTED]
     values = {**about.values, **dict.fromkeys(absent, 0.0)}
-    best = _supported(rows, _fitted(rows, keys, scales, values), scales, groups)
-    part = float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
-    return Balance(best, _covariance_with_missed(rows, best, scales, [("delay",), *groups]), part)
+    best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, groups)
+    covered = covariance_with_missed(rows, best, scales, [("delay",), *groups])
+    return Balance(best, covered, left_over(rows, best))
 
 
-def _bump_length(recording: Recording) -> float:
+def left_over(rows: Rows, best: Fit) -> float:
+    """Residuals as a part of the torque."""
+    return float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
+
+
+def window_length(recording: Recording, least: float = SHORTEST, small: float = SMALL) -> float:
     """The shortest length [s] at which the noise of the position hardly changes the inertia."""
     part = smoothed(recording)
     step = part.time[1] - part.time[0]
-    length, longest = max(SHORTEST, FEWEST_SAMPLES * step), min(LONGEST, _longest(recording))
+    length, longest = max(least, FEWEST_SAMPLES * step), min(LONGEST, _longest(recording))
     position = np.interp(part.time, recording.time, recording.measured[:, PHI])
     while length < longest:
         windows = Windows(part.time, length)
         size = np.std(windows.curvature(position))
-        if position_noise(recording) * windows.noise(2) < SMALL * size:
+        if position_noise(recording) * windows.noise(2) < small * size:
             break
         length *= 1.5
     return min(length, longest)
@@ -111,24 +125,23 @@ def _longest(recording: Recording) -> float:
     return recording.duration / shortest(1.0)
 
 
-def _rows(recordings: Sequence[Recording], scales: Scales) -> _Rows:
-    """One row for each bump over which an axis slides in one direction."""
+def sliding_rows(recordings: Sequence[Recording], length: float, columns: Columns) -> Rows:
+    """One row for each window of a length [s] over which an axis slides in one direction."""
     parts = [smoothed(recording) for recording in recordings]
-    length = max(_bump_length(recording) for recording in recordings)
     slow = SLIDES * max(float(np.max(np.abs(part.speed))) for part in parts)
     gathered, blocks = [], []
     for number, (recording, part) in enumerate(zip(recordings, parts, strict=True)):
         windows = Windows(part.time, length, APART)
-        columns = torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+        found = columns(windows, recording, part)
         for other in range(len(parts)):
-            columns["offset", other] = np.full(len(columns["torque"]), float(other == number))
+            found["offset", other] = np.full(len(found["torque"]), float(other == number))
         slides = np.where(np.abs(part.speed) > slow, np.sign(part.speed), 0.0)
         slides *= has_samples(recording, part.time)
         whole = np.abs(windows.mean(slides)) > 1.0 - ROUNDING
-        gathered.append({name: column[whole] for name, column in columns.items()})
+        gathered.append({name: column[whole] for name, column in found.items()})
         blocks.append(MANY * number + (windows.starts[whole] - part.time[0]) // BLOCK)
     joined = {name: np.concatenate([each[name] for each in gathered]) for name in gathered[0]}
-    return _Rows(joined, joined.pop("torque"), np.concatenate(blocks))
+    return Rows(joined, joined.pop("torque"), np.concatenate(blocks))
 
 
 def has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
@@ -141,7 +154,7 @@ def has_samples(recording: Recording, time: np.ndarray) -> np.ndarray:
 def torque_columns(
     windows: Windows, recording: Recording, part: Smoothed, waves: Iterable[Group], level: float
 ) -> dict[Key, np.ndarray]:
-    """The torque, and what each unknown contributes to it, averaged over windows.
+    """The torque, and what each unknown of an axis contributes to it, averaged over windows.
 
     An asymmetry acts in proportion to a ``level`` of friction.
     """
@@ -170,7 +183,7 @@ def torque_columns(
     }
 
 
-def _fitted(rows: _Rows, keys: Sequence[Key], scales: Scales, values: Values) -> Fit:
+def fitted_balance(rows: Rows, keys: Sequence[Key], scales: Scales, values: Values) -> Fit:
     """Least squares of the torques, in which residuals have the unit of torque."""
     values = {**dict.fromkeys(keys, 0.0), **values}
     unknowns = Unknowns(scales.unknown(key, values) for key in keys)
@@ -194,15 +207,15 @@ def _fitted(rows: _Rows, keys: Sequence[Key], scales: Scales, values: Values) ->
     return Fit(unknowns, State(there, none, noise * left[:, None], none, cost), linear)
 
 
-def _supported(rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
-    """The fit with all effects that the blocks support."""
+def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
+    """The fit with all effects that the blocks support, ``more`` and waves."""
     groups = [*more, *wave_groups(scales)]
     while True:
         if len(waves_of(best)) >= MOST_WAVES:
             groups = [group for group in groups if group in more]
         found = []
         for group in groups:
-            wider = _fitted(rows, (*best.unknowns.keys, *group), scales, best.values)
+            wider = fitted_balance(rows, (*best.unknowns.keys, *group), scales, best.values)
             if chance_of(wider, group) < (BY_CHANCE if group in more else WAVE_BY_CHANCE):
                 found.append((wider.cost, group, wider))
         if not found:
@@ -211,14 +224,14 @@ def _supported(rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]) ->
         groups.remove(chosen)
 
 
-def _covariance_with_missed(
-    rows: _Rows, best: Fit, scales: Scales, more: Sequence[Group]
+def covariance_with_missed(
+    rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]
 ) -> np.ndarray:
     """Covariance (p, p) in sizes, with how effects that were not found would change the values."""
     covered, keys = best.covariance, best.unknowns.keys
     for group in more:
         if group[0] not in keys:
-            other = _fitted(rows, (*keys, *group), scales, best.values).values
+            other = fitted_balance(rows, (*keys, *group), scales, best.values).values
             shift = best.unknowns.vector(other) - best.unknowns.vector(best.values)
             relative = shift / best.unknowns.all("size")
             covered = covered + np.outer(relative, relative)

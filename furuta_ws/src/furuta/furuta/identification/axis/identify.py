@@ -199,15 +199,24 @@ def _from_torques(cut: Segments, base: Fit, torques: Fit, scales: Scales) -> Fit
 
 def _prepared(recording: Recording) -> Recording:
     """The usable part, with time 0 in its middle; raises if the axis hardly moves."""
+    ready = usable_part(recording)
+    middle = 0.5 * (ready.time[0] + ready.time[-1])
+    return ready._replace(time=ready.time - middle, command_time=ready.command_time - middle)
+
+
+def usable_part(recording: Recording) -> Recording:
+    """The usable part, at no more than 2 kHz.
+
+    Raises:
+        ParameterError: The axis hardly moves.
+    """
     travel, count = (f(recording.measured[:, PHI]) for f in (_travel, quantisation_step))
     if not travel >= COUNTS * count > 0.0:
         raise ParameterError(
             f"{recording.name}: the axis moves by {travel:g}, which is less than {COUNTS:g} counts "
             f"of {count:g} of its sensor; record a larger motion"
         )
-    ready = _thinned(cleaned(recording, joints=(PHI,)))
-    middle = 0.5 * (ready.time[0] + ready.time[-1])
-    return ready._replace(time=ready.time - middle, command_time=ready.command_time - middle)
+    return _thinned(cleaned(recording, joints=(PHI,)))
 
 
 def _thinned(recording: Recording) -> Recording:
@@ -248,6 +257,7 @@ def unit_of(name: str, units: tuple[str, str]) -> str:
         "stribeck_velocity": f"{position}/s",
         "asymmetry": "",
         "load_friction": "",
+        "gravity_friction": "",
     }
     return known.get(name, torque)
 
@@ -292,18 +302,16 @@ def _result(
         best, covered, part = torques
     else:
         covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
-    values, errors, undetermined = _reported(best, covered)
-    if torques is None:
-        for key, reason in alike(cut, best, scales).items():
-            if values.pop(name_of(key), None) is not None:
-                del errors[name_of(key)]
-                undetermined[name_of(key)] = reason
+    values, errors, undetermined = reported_values(best, covered)
     one_way = _one_way(best, covered)
+    undetermined |= one_way
+    if torques is None:
+        alternatives = alike(cut, best, scales).items()
+        undetermined = {name_of(key): reason for key, reason in alternatives} | undetermined
     values, errors = (
-        {name: value for name, value in each.items() if name not in one_way}
+        {name: value for name, value in each.items() if name not in undetermined}
         for each in (values, errors)
     )
-    undetermined |= one_way
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
         value, error = best.values["alpha1"], stiction_error(cut, best)
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
@@ -323,8 +331,12 @@ def _result(
             "record a motion that accelerates"
         )
     noises = left / sensor if torques is None else np.inf
-    relative = errors["inertia"] / values["inertia"]
-    verdict = Verdict.of(_doubts(best, noises, part, relative, bool(one_way)))
+    moved = f"motion, {noises:.1f} times the noise of the position"
+    of, relative = moved if torques is None else "torque", errors["inertia"] / values["inertia"]
+    doubts = list(doubts_of(best, noises, part, relative, of))
+    if one_way:
+        doubts.append((DOUBTFUL, "the axis slides in one direction only: record reversals"))
+    verdict = Verdict.of(doubts)
     findings = findings_of(recordings)
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
@@ -347,7 +359,7 @@ def _result(
     )
 
 
-def _reported(
+def reported_values(
     best: Fit, covered: np.ndarray
 ) -> tuple[dict[str, float], dict[str, float], dict[str, str]]:
     """Values and standard errors of what is determined, and why the rest is not."""
@@ -386,14 +398,11 @@ def _together(key: Key, best: Fit) -> Group:
     return group if key in group and set(group) <= set(best.unknowns.keys) else (key,)
 
 
-def _doubts(
-    best: Fit, noises: float, part: float, inertia_error: float, one_way: bool
+def doubts_of(
+    best: Fit, noises: float, part: float, inertia_error: float, of: str
 ) -> Iterator[tuple[str, str]]:
-    """What makes the values less usable."""
+    """What makes the values less usable; what is left over is a ``part`` ``of`` that."""
     if noises > EXPLAINED and part > DOUBTFUL_PART:
-        of = "torque"
-        if np.isfinite(noises):
-            of = f"motion, {noises:.1f} times the noise of the position"
         yield (
             NO if part > USELESS_PART else DOUBTFUL,
             f"the model leaves {100.0 * part:.1f} % of the {of}: something acts that it does not "
@@ -404,8 +413,6 @@ def _doubts(
         yield DOUBTFUL, f"{segments} segments for {unknown} unknowns: record for longer"
     if inertia_error > LARGEST_ERROR:
         yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
-    if one_way:
-        yield DOUBTFUL, "the axis slides in one direction only: record reversals"
 
 
 def _noise(cut: Segments) -> float:

@@ -44,19 +44,14 @@ CONTRADICTED = 10.0
 # Largest probability by chance of a value that is reported, and residuals, in the noise of the
 # position, of a fit that explains the recording.
 BY_CHANCE, EXPLAINED = 1e-3, 1.3
-# Of values in units of the loop's stiffness.
-UNITS = {
-    "inertia": "s²",
-    "friction": "rad",
-    "viscous": "s",
-    "delay": "s",
-    "limit": "rad",
-    "offset": "rad",
-}
+# Units of what is no position, per stiffness of the loop.
+UNITS = {"inertia": "s²", "viscous": "s", "delay": "s"}
 
 
 class ServoFit(NamedTuple):
-    """Values and standard errors by name, in rad and s, and why others are not determined.
+    """Values and standard errors by name, and why others are not determined.
+
+    Units are those of the position, and s.
 
     ``usable`` is yes or doubtful, with ``reasons``; ``left`` are the residuals in the noise of the
     position.
@@ -69,6 +64,7 @@ class ServoFit(NamedTuple):
     reasons: list[str]
     findings: list[str]
     left: float
+    position_unit: str
 
     @property
     def verdict(self) -> Verdict:
@@ -81,7 +77,7 @@ class ServoFit(NamedTuple):
             **self.values,
             "standard_errors": self.standard_errors,
             "undetermined": self.undetermined,
-            "units": {name: UNITS[name] for name in self.values},
+            "units": {name: UNITS.get(name, self.position_unit) for name in self.values},
             "usable": self.usable,
             "reasons": self.reasons,
             "left_over": self.left,
@@ -190,7 +186,9 @@ def _result(best: Fit, recording: Recording) -> ServoFit:
         why = f"the model leaves {best.rms:.1f} times the noise of the position"
         doubts.append((DOUBTFUL, f"{why}: something acts that it does not have"))
     verdict, findings = Verdict.of(doubts), findings_of([recording])
-    return ServoFit(values, standard, undetermined, *verdict, findings, best.rms)
+    return ServoFit(
+        values, standard, undetermined, *verdict, findings, best.rms, recording.units[0]
+    )
 
 
 def _unknowns(values: Values, error: float, fastest: float) -> Unknowns:

@@ -1,0 +1,435 @@
+"""A joint of a moving arm as a body: the friction that its torque shows while all joints move.
+
+The torque of the joint is that of its friction and of its drive's inertia, and the load by the
+links. With the arm's geometry the load is linear in unknown parameters of the links. Without it,
+it is approximated by products of speeds with sines and cosines of the angles. Positions are not
+predicted: the torque is fitted where the joint slides in one direction.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from furuta.identification.axis.balance import (
+    APART,
+    BY_CHANCE,
+    FEWEST_BLOCKS,
+    Rows,
+    covariance_with_missed,
+    fitted_balance,
+    left_over,
+    sliding_rows,
+    torque_columns,
+    window_length,
+    with_effects,
+)
+from furuta.identification.axis.effects import Scales, wave_groups
+from furuta.identification.axis.identify import (
+    EXPLAINED,
+    NOT_DISTINGUISHABLE,
+    USELESS_PART,
+    doubts_of,
+    reported_values,
+    unit_of,
+    usable_part,
+)
+from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
+from furuta.identification.axis.start import SLIDES
+from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
+from furuta.identification.errors import series_noise
+from furuta.identification.least_squares import Fit
+from furuta.identification.regression.windows import Windows
+from furuta.identification.selection import significance
+from furuta.identification.unknowns import Key, Values, field_of, name_of
+from furuta.identification.verdict import DOUBTFUL, Verdict
+from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI
+from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
+from furuta_recordings.recording import Recording, findings_of
+
+# Shortest window [s]: an arm reverses often. Noise of the acceleration relative to it that is
+# small: inertias are made too small by the square of it, and are known to 1e-3.
+SHORTEST, SMALL = 0.06, 0.01
+# Part of the time in which the joint slides that windows must cover; shorter ones cover more.
+COVERED = 0.5
+# What every joint has.
+ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", ("offset", 0))
+# Effects that are looked for, beside waves, with the arm's geometry; without it they only widen
+# the errors.
+EFFECTS: tuple[Key, ...] = (
+    "delay",
+    "viscous_difference",
+    "drag",
+    "gravity_friction",
+)
+# A parameter of the links, of which several make one load.
+LINK = "link"
+# Part of a column that others do not explain, below which it is left out.
+INDEPENDENT = 0.02
+# Part of the squares that an approximation of the load explains, below which it is left out.
+EXPLAINS = 0.02
+# Blocks for each unknown of an approximation.
+BLOCKS = 1.0
+# Friction level that is expected before anything is known, in the torque.
+LEVEL = 0.1
+# Usual intervals without a position of another joint from which that is not interpolated.
+GAP = 5.0
+# Fewest rows for each unknown.
+FEWEST_ROWS = 3.0
+# Samples over which a load is searched for its largest value: every so many.
+EVERY = 10
+# Friction by gravity changes what gravity is found to be: fits until that has settled.
+SETTLED = 4
+
+
+class ArmJointFit(NamedTuple):
+    """Values and standard errors by name, in the units of position and torque.
+
+    ``inertia`` is that against the joint's own acceleration, the mean over the recorded poses, and
+    ``gravity`` the largest load by gravity. What the recording does not determine is only in
+    ``undetermined``, with the reason. ``names`` and ``covariance`` are those of all fitted
+    unknowns, ``link n`` among them. ``usable`` is yes, doubtful or no, with ``reasons``; ``part``
+    are the residuals relative to the torque.
+    """
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    undetermined: dict[str, str]
+    names: tuple[str, ...]
+    covariance: np.ndarray
+    usable: str
+    reasons: list[str]
+    findings: list[str]
+    part: float
+    recording: Recording
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the values are usable, and why not."""
+        return Verdict(self.usable, self.reasons)
+
+    def report(self) -> dict[str, Any]:
+        """Everything by name, as the command line prints it."""
+        return {
+            **self.values,
+            "standard_errors": self.standard_errors,
+            "undetermined": self.undetermined,
+            "units": {name: unit_of(name, self.recording.units) for name in self.values},
+            "usable": self.usable,
+            "reasons": self.reasons,
+            "covariance": {"names": list(self.names), "values": self.covariance.tolist()},
+            "left_over": self.part,
+            "findings": self.findings,
+        }
+
+
+class _Arm(NamedTuple):
+    """The joint, smoothed; the loads by the links; and usual sizes."""
+
+    own: Recording
+    part: Smoothed
+    loads: Loads
+    scales: Scales
+
+
+def identify_arm_joint(
+    recording: Recording, others: Sequence[Recording] = (), urdf: str | Path | None = None
+) -> ArmJointFit:
+    """Fit the friction of one joint of an arm of which other joints move too.
+
+    Args:
+        recording: Position and torque of the joint, as :func:`furuta.read_axis` returns them.
+        others: Positions of the other joints that move (``read_axis(..., command="none")``).
+        urdf: The arm's geometry, whose joints have the names of the recordings' joints. Masses in
+            it are not used. All joints without a recording are taken to be fixed at 0.
+
+    Raises:
+        ParameterError: The joint hardly moves, a name is not in the URDF, or too little is
+            recorded.
+    """
+    own, positions = _together(recording, others)
+    arm, about = _arm(own, positions, urdf)
+    length, none = window_length(own, SHORTEST, SMALL), np.zeros(len(arm.part.time))
+    rows, size = _rows(arm, length, none)
+    while length > SHORTEST and len(rows.torque) * APART * length < COVERED * _sliding(arm.part):
+        length = max(length / 1.5, SHORTEST)
+        rows, size = _rows(arm, length, none)
+    if len(rows.torque) < FEWEST_ROWS * len(ALWAYS):
+        raise ParameterError(
+            f"{own.name}: the joint slides in one direction for {length:.2g} s in "
+            f"{len(rows.torque)} places only; record longer or wider moves"
+        )
+    links = _independent(rows) if urdf is not None else _relevant(rows)
+    first = _fitted(rows, links, arm)
+    arm = arm._replace(scales=_scales(arm.part, max(first.values["alpha0"], 0.0)))
+    best, effects = first, [(key,) for key in EFFECTS]
+    few = best.segments < FEWEST_BLOCKS * len(best.unknowns)
+    if few and urdf is not None:
+        effects = []
+        about.append(f"{own.name}: too short to look for {', '.join(map(name_of, EFFECTS))}")
+    for _ in range(SETTLED if effects else 0):
+        weight = _functional(arm.loads.gravity, size, best) @ _vector(best)
+        rows, size = _rows(arm, length, weight)
+        best = _fitted(rows, links, arm)
+        if urdf is not None:
+            best = with_effects(rows, best, arm.scales, effects)
+        if "gravity_friction" not in best.unknowns.keys:
+            break
+    covered = covariance_with_missed(rows, best, arm.scales, effects)
+    if urdf is None:
+        covered = covered + _shift(best, _fitted(rows, links[: len(links) // 2], arm))
+    noises = float(np.sqrt(np.mean(best.state.residuals**2))) / _noise(arm, best, length)
+    left = noises, left_over(rows, best)
+    return _result(arm, best, covered, size, left, about, urdf is not None)
+
+
+def _together(
+    recording: Recording, others: Sequence[Recording]
+) -> tuple[Recording, dict[str, Recording]]:
+    """The joint where the others have positions too, and those at its times, by joint."""
+    names = [each.joint for each in (recording, *others)]
+    if len(set(names)) < len(names):
+        raise ParameterError(f"{recording.name}: a joint is named twice: {', '.join(names)}")
+    own = usable_part(recording)
+    found = []
+    for other in others:
+        ready = cleaned(other, driven=False, joints=(PHI,))
+        time = ready.time + (ready.start - own.start)
+        at = np.clip(np.searchsorted(time, own.time), 1, len(time) - 1)
+        known = np.diff(time)[at - 1] < GAP * ready.interval
+        known &= (own.time >= time[0]) & (own.time <= time[-1])
+        own = own._replace(time=own.time[known], measured=own.measured[known])
+        found.append((ready, time))
+    if len(own.time) < FEWEST_SAMPLES:
+        raise ParameterError(
+            f"{recording.name}: {len(own.time)} samples have positions of all joints, at least "
+            f"{FEWEST_SAMPLES} needed"
+        )
+    positions = {}
+    for ready, time in found:
+        measured = np.full_like(own.measured, np.nan)
+        measured[:, PHI] = np.interp(own.time, time, ready.measured[:, PHI])
+        positions[ready.joint] = ready._replace(time=own.time, measured=measured)
+    return own, positions
+
+
+def _arm(
+    own: Recording, positions: Mapping[str, Recording], urdf: str | Path | None
+) -> tuple[_Arm, list[str]]:
+    """The joint among the others, and what is to be said of that."""
+    part = smoothed(own)
+    parts = {own.joint: part, **{name: smoothed(each) for name, each in positions.items()}}
+    q = {name: each.position for name, each in parts.items()}
+    v = {name: each.speed for name, each in parts.items()}
+    scales = _scales(part, LEVEL * float(np.sqrt(np.mean(part.torque**2))))
+    if urdf is None:
+        return _Arm(own, part, _dictionary(own.joint, q, v), scales), []
+    joints = read_linkage(urdf)
+    names = [joint.name for joint in joints if joint.kind != "fixed"]
+    unknown = [name for name in parts if name not in names]
+    if unknown:
+        raise ParameterError(
+            f"{urdf}: no moving joint {', '.join(unknown)}; it has {', '.join(names) or 'none'}"
+        )
+    still = [name for name in names if name not in parts]
+    about = [f"{own.name}: taken to be fixed at 0: {', '.join(still)}"] if still else []
+    return _Arm(own, part, link_loads(joints, own.joint, q, v), scales), about
+
+
+def _sliding(part: Smoothed) -> float:
+    """Time [s] in which the joint surely slides."""
+    speed = np.abs(part.speed)
+    return float(np.mean(speed > SLIDES * np.max(speed)) * np.ptp(part.time))
+
+
+def _scales(part: Smoothed, level: float) -> Scales:
+    torque, speed = (float(np.sqrt(np.mean(each**2))) for each in (part.torque, part.speed))
+    return Scales(torque, level, speed, float(np.ptp(part.position)), float(np.ptp(part.time)))
+
+
+def _dictionary(own: str, q: Mapping[str, np.ndarray], v: Mapping[str, np.ndarray]) -> Loads:
+    """Loads that arms of turning joints may have: sums of angles, and products of speeds."""
+    none = np.zeros_like(q[own])
+    waves = [wave(angle) for angle in q.values() for wave in (np.sin, np.cos)]
+    sums = [q[a] + sign * q[b] for a, b in itertools.combinations(q, 2) for sign in (1.0, -1.0)]
+    waves += [wave(angle) for angle in sums for wave in (np.sin, np.cos)]
+    columns = [(none, wave, wave, none) for wave in waves]
+    for name, speed in v.items():
+        factors = waves if name == own else [np.ones_like(none), *waves]
+        columns += [
+            (factor * speed, none, none, factor if name == own else none) for factor in factors
+        ]
+    for a, b in itertools.combinations_with_replacement(v, 2):
+        factors = [np.ones_like(none), *waves[: 2 * len(q)]]
+        columns += [(none, factor * v[a] * v[b], none, none) for factor in factors]
+    return Loads(*(np.column_stack(each) for each in zip(*columns, strict=True)))
+
+
+def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarray]:
+    """The balance, with a known load by gravity (n,), and the links' columns divided by a size."""
+
+    def columns(windows: Windows, own: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
+        found = torque_columns(windows, own, part, wave_groups(arm.scales), arm.scales.level)
+        found["gravity_friction"] = found["alpha0"] * windows.mean(np.abs(weight))
+        links = windows.slope(arm.loads.momentum) + windows.mean(arm.loads.rest)
+        found |= {(LINK, n): column for n, column in enumerate(links.T)}
+        return found
+
+    rows = sliding_rows([arm.own], length, columns)
+    size = np.ones(arm.loads.rest.shape[1])
+    if len(rows.torque):
+        links = np.column_stack([rows.columns[LINK, n] for n in range(len(size))])
+        size = np.sqrt(np.mean(links**2, axis=0))
+        size[size < 1e-9 * np.max(size, initial=1e-300)] = np.inf
+    for n, each in enumerate(size):
+        rows.columns[LINK, n] = rows.columns[LINK, n] / each
+    return rows, size
+
+
+def _own_basis(rows: Rows) -> np.ndarray:
+    """An orthonormal basis of what the joint has without the links."""
+    own = np.column_stack([rows.columns[key] for key in ALWAYS])
+    return np.linalg.qr(own / np.linalg.norm(own, axis=0))[0]
+
+
+def _independent(rows: Rows) -> list[Key]:
+    """Parameters of the links that act differently from each other and from the joint's own."""
+    basis = _own_basis(rows)
+    keys = [key for key in rows.columns if field_of(key) == LINK]
+    left = np.column_stack([rows.columns[key] for key in keys])
+    left = left - basis @ (basis.T @ left)
+    size, chosen = np.sqrt(len(left)), list[Key]()
+    while len(chosen) < len(keys):
+        sizes = np.linalg.norm(left, axis=0)
+        k = int(np.argmax(sizes))
+        if sizes[k] < INDEPENDENT * size:
+            break
+        column = left[:, k] / sizes[k]
+        left = left - np.outer(column, column @ left)
+        chosen.append(keys[k])
+    return chosen
+
+
+def _relevant(rows: Rows) -> list[Key]:
+    """Approximations of the load that explain the torque, as many as the blocks of time allow."""
+    basis = _own_basis(rows)
+    keys = [key for key in rows.columns if field_of(key) == LINK]
+    left = np.column_stack([rows.columns[key] for key in keys])
+    left = left - basis @ (basis.T @ left)
+    torque = rows.torque - basis @ (basis.T @ rows.torque)
+    chosen: list[Key] = []
+    most = int(len(np.unique(rows.block)) / BLOCKS) - len(ALWAYS)
+    for _ in range(min(most, len(keys))):
+        sizes = np.linalg.norm(left, axis=0)
+        usable = sizes > INDEPENDENT * np.sqrt(len(left))
+        gains = np.where(usable, (left.T @ torque) / np.maximum(sizes, 1e-300), 0.0) ** 2
+        k = int(np.argmax(gains))
+        if gains[k] < EXPLAINS * float(torque @ torque):
+            break
+        column = left[:, k] / sizes[k]
+        left = left - np.outer(column, column @ left)
+        torque = torque - column * (column @ torque)
+        chosen.append(keys[k])
+    return chosen
+
+
+def _fitted(rows: Rows, links: Sequence[Key], arm: _Arm) -> Fit:
+    inertia = arm.scales.torque / float(np.sqrt(np.mean(arm.part.acceleration**2)))
+    values: Values = {"inertia": inertia, "stribeck_velocity": arm.scales.speed}
+    return fitted_balance(rows, (*ALWAYS, *links), arm.scales, values)
+
+
+def _shift(best: Fit, fewer: Fit) -> np.ndarray:
+    """Covariance (p, p) in sizes by how a fit with fewer approximations of the load differs."""
+    values = {**dict.fromkeys(best.unknowns.keys, 0.0), **fewer.values}
+    links = np.array([field_of(key) == LINK for key in best.unknowns.keys])
+    shift = (best.unknowns.vector(values) - _vector(best)) / best.unknowns.all("size")
+    shift[links] = 0.0
+    return np.outer(shift, shift)
+
+
+def _vector(best: Fit) -> np.ndarray:
+    return best.unknowns.vector(best.values)
+
+
+def _functional(columns: np.ndarray, size: np.ndarray, best: Fit) -> np.ndarray:
+    """What the fitted unknowns contribute (n, p), of that of all parameters of the links."""
+    none = np.zeros(len(columns))
+    return np.column_stack(
+        [
+            columns[:, int(key[1])] / size[int(key[1])] if field_of(key) == LINK else none
+            for key in best.unknowns.keys
+        ]
+    )
+
+
+def _result(
+    arm: _Arm,
+    best: Fit,
+    covered: np.ndarray,
+    size: np.ndarray,
+    left: tuple[float, float],
+    about: list[str],
+    has_geometry: bool,
+) -> ArmJointFit:
+    """Values, errors and verdict, from what is left over in its noise and in the torque."""
+    values, errors, undetermined = reported_values(best, covered)
+    for named in (values, errors, undetermined):
+        for key in best.unknowns.keys:
+            if field_of(key) == LINK:
+                named.pop(name_of(key), None)
+    sizes = best.unknowns.all("size")
+    covariance = covered * np.outer(sizes, sizes)
+    for name, row in _loads_of(arm, best, size):
+        value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row)
+        for named in (values, errors, undetermined):
+            named.pop(name, None)
+        if significance(np.array([value]), np.array([[variance]]), best.segments) < BY_CHANCE:
+            values[name], errors[name] = value, float(np.sqrt(variance))
+        else:
+            undetermined[name] = f"{value:.3g} ± {np.sqrt(variance):.2g}: {NOT_DISTINGUISHABLE}"
+    undetermined["asymmetry"] = "acts like an offset while the joint slides, and is a part of it"
+    for name in () if has_geometry else ("gravity", "offset"):
+        if values.pop(name, None) is not None:
+            del errors[name]
+        undetermined[name] = "needs the arm's geometry"
+    if not has_geometry:
+        undetermined["gravity_friction"] = "is a part of alpha0; needs the arm's geometry"
+    known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
+    doubts = list(doubts_of(best, *left, known, f"torque, {left[0]:.1f} times its noise"))
+    if left[0] <= EXPLAINED and left[1] > USELESS_PART:
+        doubts.append((DOUBTFUL, f"{100.0 * left[1]:.0f} % of the torque is noise"))
+    if not has_geometry:
+        doubts.append((DOUBTFUL, "the load by the links is approximated: give the arm's geometry"))
+    return ArmJointFit(
+        values,
+        errors,
+        undetermined,
+        tuple(map(name_of, best.unknowns.keys)),
+        covariance,
+        *Verdict.of(doubts),
+        [*findings_of([arm.own]), *about],
+        left[1],
+        arm.own,
+    )
+
+
+def _noise(arm: _Arm, best: Fit, length: float) -> float:
+    """Standard deviation of an averaged torque by noise of torque and position."""
+    windows = Windows(arm.part.time, length, APART)
+    torque = series_noise(arm.own.command_time, arm.own.command) * windows.noise(0)
+    inertia = position_noise(arm.own) * windows.noise(2) * best.values["inertia"]
+    return float(np.hypot(torque, inertia))
+
+
+def _loads_of(arm: _Arm, best: Fit, size: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """How fitted unknowns (p,) make inertia and largest load by gravity."""
+    inertia = np.mean(_functional(arm.loads.per_speed, size, best), axis=0)
+    yield "inertia", inertia + (np.array([key == "inertia" for key in best.unknowns.keys]))
+    weights = _functional(arm.loads.gravity[::EVERY], size, best)
+    yield "gravity", weights[int(np.argmax(np.abs(weights @ _vector(best))))]
