@@ -136,7 +136,7 @@ def test_lockstep_is_the_loop_to_the_last_bit(bench: Bench, emulate: Any, tmp_pa
     measurements, commands = bench.collect(MEASUREMENT), bench.collect(COMMAND)
     composed(bench, rig, "lugre", **PATIENT)
     balance(bench, rig, 1500)
-    bench.spin(lambda: len(commands) > 100)
+    bench.spin(lambda: len(commands) > 1500)  # they may be received later than measurements
     log = rig.log(tmp_path / "log.npz")
     armed = np.flatnonzero(log["armed"])
     first = armed[0] + 100  # after the slew limit has reached the first command
