@@ -47,7 +47,7 @@ IN_PLACE = {
     "<!-- parameters of the nodes -->": parameters_of_nodes(),
     "<!-- keys of rig files -->": keys_of_rig_files(),
     "<!-- verbs -->": table(
-        ("", ""), ((f"[`{v}`](#furuta-{v})", text) for v, text in main.VERBS.items())
+        ("", ""), ((f'<a href="#furuta-{v}">{v}</a>', text) for v, text in main.VERBS.items())
     ),
     "<!-- names of the library -->": table(("", ""), map(library_row, furuta.__all__)),
 }

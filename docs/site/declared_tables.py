@@ -1,5 +1,6 @@
 """Tables of declared parameters, in Markdown: those of the nodes, and the keys of rig files."""
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -22,7 +23,7 @@ def table(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
 def library_row(name: str) -> tuple[str, str]:
     """A name of the library, with its link, and the first sentence of its description."""
     text = (getattr(furuta, name).__doc__ or "").strip().partition("\n")[0]
-    return f"{{py:obj}}`~furuta.{name}`", text.replace("|", "\\|")
+    return f"{{py:obj}}`~furuta.{name}`", re.sub(r":\w+:`", "`", text).replace("|", "\\|")
 
 
 def parameters_of_nodes() -> str:
