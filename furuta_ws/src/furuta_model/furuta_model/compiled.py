@@ -65,11 +65,16 @@ def compiled(function: Function, cached: bool = True, **options: Any) -> Functio
     if cached and not _config.DISABLE_JIT:
         dispatcher._cache.load_overload = partial(_machine_code_of, dispatcher._cache)
     if not _config.DISABLE_JIT:
-        unwrapped: Any = numba.njit(**UNWRAPPED, **options)(function)
-        unwrapped.is_announced = True
+
+        @cache  # made when a compiled function calls this one; loading machine code needs none
+        def unwrapped() -> Any:
+            made: Any = numba.njit(**UNWRAPPED, **options)(function)
+            made.is_announced = True
+            return made
+
         # numba 0.59 to 0.68 asks a dispatcher for these two when compiled code calls it.
-        dispatcher.get_call_template = unwrapped.get_call_template
-        dispatcher.get_overload = unwrapped.get_overload
+        dispatcher.get_call_template = lambda *given: unwrapped().get_call_template(*given)
+        dispatcher.get_overload = lambda *given: unwrapped().get_overload(*given)
     return cast(Function, dispatcher)
 
 
