@@ -5,11 +5,15 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Thread
 from time import monotonic, sleep
+from traceback import walk_tb
 from typing import Any
+
+from IPython import get_ipython
 
 # How long a process may take to end after SIGINT, and a verb to finish [s].
 GRACE = 20.0
@@ -42,6 +46,23 @@ def need(answer: Any) -> None:
     """
     if answer is None:
         raise NotYetError("there is no answer yet")
+
+
+def _explain(shell: Any, kind: type, error: Any, trace: Any, tb_offset: int | None = None) -> None:
+    """Say which name a cell lacks because one above has no answer; show other errors whole."""
+    *_, (frame, _) = walk_tb(trace)
+    if frame.f_code.co_name == "<module>":
+        print(f"Not yet: {error.name} comes from a cell above that has not run to its end.")
+    else:
+        shell.showtraceback((kind, error, trace), tb_offset=tb_offset)
+
+
+def _prepare_notebook() -> None:
+    """In Jupyter, explain missing names; what goes to standard error is no error, so not red."""
+    shell = get_ipython()
+    if shell is not None:
+        shell.set_custom_exc((NameError,), _explain)
+        sys.stderr = sys.stdout
 
 
 def furuta(*arguments: Any) -> Any:
@@ -133,3 +154,6 @@ def _command() -> str:
     if command is None:
         raise RuntimeError("no command furuta on the path; start Jupyter by make course")
     return command
+
+
+_prepare_notebook()

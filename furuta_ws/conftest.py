@@ -11,9 +11,8 @@ import pytest
 from ros_domain import take_domain
 
 if TYPE_CHECKING:
-    from testbench import Bench
-
     from furuta.settings.settings import Settings
+    from furuta_ros.testing import Bench
 
 SOURCES = Path(__file__).resolve().parent / "src"
 
@@ -71,12 +70,11 @@ def ros() -> Iterator[None]:
 
 @pytest.fixture
 def bench(ros: None) -> Iterator[Bench]:
-    """A test bench for nodes."""
-    from testbench import Bench
+    """A test bench for nodes, which nodes of other processes discover."""
+    from furuta_ros.testing import Bench
 
-    bench = Bench()
-    yield bench
-    bench.close()
+    with Bench() as bench:
+        yield bench
 
 
 @pytest.fixture

@@ -28,8 +28,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[2]
 # First words of a block of shell commands; other indented blocks are equations and output.
 SHELL = re.compile(
-    r"(?:\./furuta|make|tools/in_environment|\.\./tools|ros2|colcon|rosdep|cd|pip|source|echo)\b"
-    r"|[A-Z_]+=\S+ |keys="
+    r"(?:(?:\./)?furuta|install/|make|mkdir|tools/in_environment|\.\./tools|ros2|colcon|rosdep|cd|pip"
+    r"|source|echo)\b|[A-Z_]+=\S+ |keys="
 )
 NOTE = re.compile(r"<!-- (page not run|not run|file|before): (.*?) -->")
 # What no fresh clone on this machine can run, by a part of the command.

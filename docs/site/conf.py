@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path += map(str, Path(os.environ["VIRTUAL_ENV"]).glob("lib/python*/site-packages"))
 sys.path.append(str(Path(__file__).parent))
 
-from declared_tables import keys_of_rig_files, parameters_of_nodes  # noqa: E402
+from declared_tables import keys_of_rig_files, library_row, parameters_of_nodes, table  # noqa: E402
 
 import furuta  # noqa: E402
 from furuta_bringup import main  # noqa: E402
@@ -46,7 +46,13 @@ IN_PLACE = {
     "```mermaid": "```text",  # drawing it would need a program from elsewhere
     "<!-- parameters of the nodes -->": parameters_of_nodes(),
     "<!-- keys of rig files -->": keys_of_rig_files(),
+    "<!-- verbs -->": table(
+        ("", ""), ((f'<a href="#furuta-{v}">{v}</a>', text) for v, text in main.VERBS.items())
+    ),
+    "<!-- names of the library -->": table(("", ""), map(library_row, furuta.__all__)),
 }
+# A link to the file of `make page`, which opens in a window of its own.
+PAGE_LINK = re.compile(r"\[(!\[.*?\]\(.*?\)|[^]]*)\]\((?:\.\./)?output/furuta\.html\)")
 
 
 class Group:
@@ -93,6 +99,8 @@ def complete(app: Any, page: str, source: list[str]) -> None:
     """Add to a page what only the site has."""
     for comment, text in IN_PLACE.items():
         source[0] = source[0].replace(comment, text)
+    up = "../" * page.count("/")
+    source[0] = PAGE_LINK.sub(rf'<a href="{up}furuta.html" target="_blank">\1</a>', source[0])
     source[0] = unlinked(source[0], Path(ROOT, page).parent, app.env.found_docs)
     if page == root_doc:
         source[0] += navigation(source[0])

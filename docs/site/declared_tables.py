@@ -1,8 +1,10 @@
 """Tables of declared parameters, in Markdown: those of the nodes, and the keys of rig files."""
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+import furuta
 from furuta.figures.figure import SYMBOLS
 from furuta.settings.nodes import NODES
 from furuta_hw.rigs.physical import PhysicalParameters
@@ -16,6 +18,12 @@ def table(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
     """A table in Markdown."""
     first, *others = ["| " + " | ".join(map(str, line)) + " |" for line in (heads, *rows)]
     return "\n".join([first, "|" + "---|" * (first.count("|") - 1), *others])
+
+
+def library_row(name: str) -> tuple[str, str]:
+    """A name of the library, with its link, and the first sentence of its description."""
+    text = (getattr(furuta, name).__doc__ or "").strip().partition("\n")[0]
+    return f"{{py:obj}}`~furuta.{name}`", re.sub(r":\w+:`", "`", text).replace("|", "\\|")
 
 
 def parameters_of_nodes() -> str:

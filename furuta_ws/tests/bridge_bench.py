@@ -8,9 +8,9 @@ from lifecycle_msgs.srv import ChangeState
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import SetBool
-from testbench import Bench
 
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_ros.testing import Bench
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 
 SETTLING = 500  # samples between holding the pendulum and arming

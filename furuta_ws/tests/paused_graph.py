@@ -3,12 +3,12 @@
 from typing import Any
 
 import numpy as np
-from testbench import Bench
 
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.processes import executable
 from furuta_bringup.launching import launched_nodes
 from furuta_ros.node import QOS
+from furuta_ros.testing import Bench
 from furuta_ros.topics import GROUND_TRUTH, Topic
 
 

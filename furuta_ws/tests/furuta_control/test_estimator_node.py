@@ -5,10 +5,10 @@ from time import sleep
 from typing import Any
 
 from rclpy.parameter import Parameter
-from testbench import Bench, joint_state
 
 from furuta_control.estimator_node import EstimatorNode
 from furuta_ros.node import MAX_AGE
+from furuta_ros.testing import Bench, joint_state
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
 
 MS = 1_000_000

@@ -10,11 +10,11 @@ from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, spin_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
 from rclpy.node import Node
-from testbench import Bench
 
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.connection import rig_connection
 from furuta_ros.node import LATCHED, QOS
+from furuta_ros.testing import Bench
 from furuta_ros.topics import ARMED, COMMAND, MEASUREMENT
 
 

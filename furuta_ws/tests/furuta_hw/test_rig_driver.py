@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, spin_samples
-from testbench import Bench
 
 from furuta_hw import drivers
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.connection import rig_connection
+from furuta_ros.testing import Bench
 from furuta_ros.topics import MEASUREMENT
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "extending.md"

@@ -11,7 +11,6 @@ import yaml
 from mcap.reader import make_reader
 from rclpy.parameter import Parameter
 from rosbags.rosbag2 import Reader
-from testbench import joint_state
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings import recorder_node as module
@@ -21,6 +20,7 @@ from furuta_recordings.recorder_node import (
     RecorderNode,
     chosen_topics,
 )
+from furuta_ros.testing import joint_state
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT, Topic
 
 X = (0.1, 0.2, 0.3, 0.4)

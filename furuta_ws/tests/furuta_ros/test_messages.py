@@ -5,9 +5,9 @@ from math import isnan, nan
 
 import pytest
 from rclpy.serialization import serialize_message
-from testbench import joint_state
 
 from furuta_ros.messages import typed_joint_state
+from furuta_ros.testing import joint_state
 from furuta_ros.wire import Signals, unpack_joint_state
 
 STATE = (0.1, -0.2, 0.3, -0.4)

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 from rclpy.parameter import Parameter
-from testbench import Bench
 
+from furuta_ros.testing import Bench
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, MEASUREMENT
 from furuta_sim import lockstep
 from furuta_sim.plant_node import PlantNode

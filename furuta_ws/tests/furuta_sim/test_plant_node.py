@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
-from testbench import Bench
 
 from furuta_control.control import ControllerParameters
 from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, build
+from furuta_ros.testing import Bench
 from furuta_ros.topics import COMMAND, GROUND_TRUTH, MEASUREMENT
 from furuta_sim import realtime
 from furuta_sim.parameters import PlantParameters

@@ -8,7 +8,6 @@ import pytest
 import yaml
 from own_parts import EVIL
 from std_msgs.msg import Float64
-from testbench import Bench
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.graph.parameter_client import ParameterClient
@@ -17,6 +16,7 @@ from furuta_bringup.launching import launched_nodes
 from furuta_model.parameters import ParameterError
 from furuta_recordings.replay_node import message_class
 from furuta_ros.spinning import ros_context
+from furuta_ros.testing import Bench
 
 # Node, parameter, and the default, of each parameter that can name code.
 NAMING_CODE = [
@@ -66,8 +66,7 @@ def test_whoever_starts_a_node_names_its_parts(evil: Path, monkeypatch: pytest.M
     """The node shows them, uses them while it runs, and takes no other."""
     (evil / "mine.py").write_text(EVIL)
     names = "controller:own_parts:=mine.py:f,evil.py:f"
-    with ros_context(["--ros-args", "-p", names, "-p", "mode:=mine.py:f"]):
-        bench = Bench()
+    with Bench(["--ros-args", "-p", names, "-p", "mode:=mine.py:f"]) as bench:
         node = bench.add(NODES["controller"].load_class()([]))
         client = ParameterClient(bench.probe, bench.executor)
         assert client.get("controller", ["mode"]) == {"mode": "mine.py:f"}
@@ -77,7 +76,6 @@ def test_whoever_starts_a_node_names_its_parts(evil: Path, monkeypatch: pytest.M
             assert node.parameters.mode == mode
         with pytest.raises(ServiceError, match="'evil:f' is not accepted"):
             client.set_all("controller", {"mode": "evil:f"})
-        bench.close()
 
 
 def test_launch_names_parts_for_every_node(evil: Path) -> None:

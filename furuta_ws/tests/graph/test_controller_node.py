@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from counting import count_handled, count_published
 from rclpy.parameter import Parameter
 from std_msgs.msg import Bool, Float64
-from testbench import Bench, joint_state
 
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
@@ -17,6 +17,7 @@ from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.pendulum import FurutaPendulum
 from furuta_ros import node
 from furuta_ros.node import LATCHED
+from furuta_ros.testing import Bench, joint_state
 from furuta_ros.topics import ARMED, COMMAND, FRICTION_ESTIMATE, JOINT_STATES, Topic
 
 X = (0.1, -0.2, 0.03, 0.04)
@@ -31,8 +32,8 @@ class Loop:
         self.bench = bench
         self.node = bench.add(ControllerNode())
         self.commands = bench.collect(COMMAND)
-        self._handled = bench.count_handled(self.node)
-        self._published = bench.count_published(self.node._publisher)
+        self._handled = count_handled(self.node)
+        self._published = count_published(self.node._publisher)
         self._states = bench.publisher(JOINT_STATES)
         self._estimates = bench.publisher(FRICTION_ESTIMATE)
         self._expected = 0

@@ -8,13 +8,13 @@ from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rosbags.highlevel import AnyReader
 from sensor_msgs.msg import JointState
-from testbench import Bench
 
 from furuta.settings.nodes import NODES
 from furuta.settings.settings import Settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.page.live_node import LiveNode
 from furuta_recordings.recorder_node import RecorderNode
+from furuta_ros.testing import Bench
 from furuta_ros.topics import JOINT_STATES, PARAMETER_EVENTS
 
 

@@ -5,14 +5,15 @@ from math import nan
 from typing import Any
 
 import pytest
+from counting import count_handled
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from testbench import Bench
 
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_friction.joint_observer import JointMemory, design_joint, joint_step
 from furuta_model.block import block, new_memory
 from furuta_ros.node import BEST_EFFORT
+from furuta_ros.testing import Bench
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
 
 PERIOD = 2_000_000
@@ -74,7 +75,7 @@ def test_other_publishers_are_no_matter(bench: Bench, node: Any) -> None:
     gripper = bench.probe.create_publisher(JointState, JOINT_STATES.name, BEST_EFFORT)
     publisher = bench.publisher(JOINT_STATES)
     bench.wait_for_publisher(FRICTION_ESTIMATE)
-    handled = bench.count_handled(node)
+    handled = count_handled(node)
     gripper.publish(state(PERIOD, finger=(0.0, 0.0, 0.0)))
     bench.spin(lambda: handled[JOINT_STATES.name] == 1)
     answers = send(bench, publisher, state(PERIOD, elbow_joint=(0.0, 0.1, 0.0)), 1)
@@ -86,7 +87,7 @@ def test_a_reference_counts_while_it_is_new(bench: Bench, node: Any) -> None:
     """The joint rests, the reference moves: F̂ has its direction for 0.1 s."""
     publisher, reference = bench.publisher(JOINT_STATES), bench.publisher(REFERENCE)
     bench.wait_for_publisher(FRICTION_ESTIMATE)
-    handled = bench.count_handled(node)
+    handled = count_handled(node)
     reference.publish(state(0, elbow_joint=(0.0, -1.0, 0.0)))
     bench.spin(lambda: handled[REFERENCE.name] == 1)
     answers: list[float] = []

@@ -4,7 +4,6 @@ from typing import Any
 
 import pytest
 from rclpy.parameter import Parameter
-from testbench import Bench
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.graph.parameter_client import ParameterClient
@@ -12,6 +11,7 @@ from furuta_bringup.graph.services import ServiceError
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import declared
+from furuta_ros.testing import Bench
 
 
 @pytest.mark.parametrize("name", NODES)

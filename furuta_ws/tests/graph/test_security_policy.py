@@ -4,10 +4,10 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable
 
 import pytest
-from testbench import Bench
 
 from furuta.settings.nodes import NODES
 from furuta_hw.rigs.known_rigs import config_directory
+from furuta_ros.testing import Bench
 
 POLICY = config_directory() / "security" / "policy.xml"
 # Used only with use_sim_time, or offered by a plant in lock-step.

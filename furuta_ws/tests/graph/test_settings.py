@@ -108,6 +108,15 @@ def test_unknown_names_are_named(file: Any) -> None:
     assert str(caught.value).count("no parameter") == 10
 
 
+def test_a_node_of_the_users_own_has_its_own_parameters(file: Any) -> None:
+    """In the section of the node that it replaces; those of ours still hold for the graph."""
+    given = [file("friction_observer: {ros__parameters: {width: 0.1, alpha0: 0.3}}")]
+    settings = load_settings(given, [], without=["friction_observer"])
+    assert settings["friction_observer"] == {"alpha0": 0.3}
+    with pytest.raises(ParameterError, match="friction_observer has no parameter width"):
+        load_settings(given, [], without=["controller"])
+
+
 @pytest.mark.parametrize(
     ("assignment", "expected"),
     [

@@ -10,13 +10,13 @@ from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float64
-from testbench import Bench
 
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_ros.errors import UserError
 from furuta_ros.spinning import ros_context
+from furuta_ros.testing import Bench
 from furuta_ros.topics import COMMAND, MEASUREMENT
 from furuta_sim.plant_node import PlantNode
 

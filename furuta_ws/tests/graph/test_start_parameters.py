@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 import yaml
-from testbench import Bench
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import ParameterError, declared
 from furuta_ros.spinning import ros_context
+from furuta_ros.testing import Bench
 from furuta_sim.plant_node import PlantNode
 
 
@@ -66,15 +66,13 @@ def test_a_dump_loads_again(tmp_path: Path, name: str, monkeypatch: pytest.Monke
     # No sample is taken, so that nothing has to be compiled for the changed plant.
     monkeypatch.setattr("furuta_sim.simulated_plant.for_types_of", lambda *_: None)
     node = NODES[name].load_class()
-    with ros_context():
-        bench = Bench()
+    with Bench() as bench:
         running = bench.add(node())
         client = ParameterClient(bench.probe, bench.executor)
         if changes := changed_values(name):
             client.set_all(name, changes)
         text = dump(name, client.get(name, client.names(name)))
         before = running.parameters
-        bench.close()
     assert start(node, write(tmp_path, text)) == before
     assert (before != NODES[name].parameters()) == bool(changes)
 

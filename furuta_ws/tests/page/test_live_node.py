@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
-from testbench import Bench, joint_state
 
 from furuta.settings.settings import Settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.page.live_node import LiveNode
 from furuta_bringup.page.samples import ESTIMATE, FRICTION, PHI, THETA, TIME
 from furuta_ros.spinning import spin_until
+from furuta_ros.testing import Bench, joint_state
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import COMMAND, FRICTION_ESTIMATE, GROUND_TRUTH, JOINT_STATES
 

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from paused_graph import PausedGraph
 from sources import ROOT
-from testbench import Bench
+
+from furuta_ros.testing import Bench
 
 EXAMPLES = {file.stem: file for file in sorted((ROOT / "examples").glob("*.py"))}
 NODE = EXAMPLES.pop("own_controller_node")  # does not end by itself

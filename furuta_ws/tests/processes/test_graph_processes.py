@@ -13,7 +13,6 @@ import pytest
 from paused_graph import PausedGraph, launch_commands
 from processes.conftest import wait_for
 from rosbags.highlevel import AnyReader
-from testbench import Bench
 
 from furuta.settings.nodes import graph_nodes
 from furuta.settings.settings import load_settings, loop
@@ -23,6 +22,7 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.recovery import recover
 from furuta_ros.node import deep
+from furuta_ros.testing import Bench
 from furuta_ros.topics import GROUND_TRUTH, TOPICS
 from furuta_sim.simulation.closed_loop import simulate
 

@@ -18,7 +18,6 @@ import yaml
 from bridge_bench import hold_and_arm
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.parameter import Parameter
-from testbench import Bench
 
 from furuta.settings.nodes import HARDWARE_BRIDGE, graph_nodes
 from furuta.settings.settings import load_settings, loop
@@ -31,6 +30,7 @@ from furuta_hw.rigs.known_rigs import find_rig, rig_directory
 from furuta_hw.rigs.rig import Rig
 from furuta_model.state import THETA
 from furuta_ros.node import LATCHED
+from furuta_ros.testing import Bench
 from furuta_ros.topics import ACTIVE_MODE, COMMAND, MEASUREMENT
 from furuta_sim.simulation.closed_loop import Simulation
 

@@ -20,12 +20,12 @@ from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from soak_settings import run
 from std_msgs.msg import Float64
-from testbench import joint_state
 
 from furuta_control.controller_node import ControllerNode
 from furuta_control.estimator_node import EstimatorNode
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import Declared, declared, values
+from furuta_ros.testing import joint_state
 from furuta_sim.simulation.closed_loop import Loop, simulate
 
 INPUTS = {

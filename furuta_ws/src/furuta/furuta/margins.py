@@ -25,7 +25,6 @@ from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.outcomes import sensors_alone
 from furuta.transfer import checked_feedback, transfer
 from furuta_model.linear import linearize
-from furuta_model.optional import needed_by
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_sim.simulation.closed_loop import Loop
@@ -47,9 +46,7 @@ class Margins(NamedTuple):
 def margins(p: FurutaPendulum, gain: np.ndarray, viscous: float = 0.0) -> Margins:
     """Margins of u = −Lx, ``gain`` = L (4,); :class:`ParameterError` if the loop is unstable.
 
-    The pendulum's arm has ``viscous`` friction [V s/rad], which is not compensated. Gains, phase
-    and delay are those of python-control. α is ours, because its ``disk_margins`` takes seconds for
-    as fine a grid, and its ``system_norm`` of S − 1/2 can be off by 1e-3.
+    The pendulum's arm has ``viscous`` friction [V s/rad], which is not compensated.
     """
     a, b = linearize(p, viscous)
     opened = np.poly(a)
@@ -57,20 +54,44 @@ def margins(p: FurutaPendulum, gain: np.ndarray, viscous: float = 0.0) -> Margin
     poles = np.roots(closed)
     if np.max(poles.real) >= 0.0:
         raise ParameterError("an unstable loop has no margins")
-    with needed_by("margins"):
-        import control
-    loop = control.tf(closed - opened, opened)
-    gains, phases, _, _, omega, _ = control.stability_margins(loop, returnall=True)
-    lag = np.radians(np.mod(phases, 360.0))
+    gains, crossovers, lags = _crossings(closed - opened, opened)
     grid = np.geomspace(np.abs(poles).min() / SPAN, np.abs(poles).max() * SPAN, POINTS)
     sensitivity = np.polyval(opened, 1j * grid) / np.polyval(closed, 1j * grid)
     return Margins(
         float(gains[gains < 1.0].max(initial=0.0)),
         float(gains[gains > 1.0].min(initial=np.inf)),
-        float(np.radians(np.abs(phases)).min(initial=np.pi)),
-        float((lag / omega).min(initial=np.inf)),
+        float(np.minimum(lags, 2.0 * np.pi - lags).min(initial=np.pi)),
+        float((lags / crossovers).min(initial=np.inf)),
         float(1.0 / np.abs(sensitivity - 0.5).max()),
     )
+
+
+def _crossings(
+    numerator: np.ndarray, denominator: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where L(jω) = n/d meets the negative real axis, and where the unit circle.
+
+    Returns:
+        Gains with which L meets −1 on the axis; ω [rad/s] of |L| = 1, and there the phase [rad]
+        from −1 to L, 0 to 2π, which is the lag that the loop bears.
+    """
+    turns = np.resize([1.0, 1j, -1.0, -1j], denominator.size)[::-1]  # s = jω
+    n, d = numerator * turns, denominator * turns
+    product = np.polymul(n, d.conj())  # has the phase of L
+    on_axis = _real_roots(product.imag)
+    on_axis = on_axis[(on_axis >= 0.0) & (np.polyval(product.real, on_axis) < 0.0)]
+    with np.errstate(divide="ignore"):  # of an integrator at ω = 0
+        gains = 1.0 / np.abs(np.polyval(n, on_axis) / np.polyval(d, on_axis))
+    crossovers = _real_roots(np.polysub(np.polymul(n, n.conj()), np.polymul(d, d.conj())).real)
+    crossovers = crossovers[crossovers > 0.0]
+    phases = np.angle(-np.polyval(n, crossovers) / np.polyval(d, crossovers))
+    return gains, crossovers, np.mod(phases, 2.0 * np.pi)
+
+
+def _real_roots(polynomial: np.ndarray) -> np.ndarray:
+    roots = np.roots(polynomial)
+    real: np.ndarray = roots[np.isreal(roots)].real
+    return real
 
 
 def linear_report(loop: Loop, feedback: Sequence[float] | None = None) -> dict[str, Any]:

@@ -15,7 +15,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from importlib.util import find_spec
 from itertools import takewhile
 from multiprocessing import parent_process
@@ -27,6 +27,7 @@ import numba
 import numba.extending
 import numpy as np
 from numba.core.event import Event, Listener, register
+from numba.core.runtime import rtsys
 
 # Options of numba for the second dispatcher, which compiled callers use. It has no wrapper for
 # Python or C and no file in the cache, which halves the time of compilation.
@@ -61,13 +62,31 @@ def compiled(function: Function, cached: bool = True, **options: Any) -> Functio
     finally:
         _config.CACHE_DIR = previous
     dispatcher.is_announced = True
+    if cached and not _config.DISABLE_JIT:
+        dispatcher._cache.load_overload = partial(_machine_code_of, dispatcher._cache)
     if not _config.DISABLE_JIT:
-        unwrapped: Any = numba.njit(**UNWRAPPED, **options)(function)
-        unwrapped.is_announced = True
+
+        @cache  # made when a compiled function calls this one; loading machine code needs none
+        def unwrapped() -> Any:
+            made: Any = numba.njit(**UNWRAPPED, **options)(function)
+            made.is_announced = True
+            return made
+
         # numba 0.59 to 0.68 asks a dispatcher for these two when compiled code calls it.
-        dispatcher.get_call_template = unwrapped.get_call_template
-        dispatcher.get_overload = unwrapped.get_overload
+        dispatcher.get_call_template = lambda *given: unwrapped().get_call_template(*given)
+        dispatcher.get_overload = lambda *given: unwrapped().get_overload(*given)
     return cast(Function, dispatcher)
+
+
+def _machine_code_of(functions: Any, signature: Any, target: Any) -> Any:
+    """The machine code of a function in its cache; None if it must be compiled.
+
+    Numba 0.59 to 0.68 first loads all that a compiler needs, for half a second. Machine code needs
+    only the run-time library; whoever compiles loads the rest.
+    """
+    rtsys.initialize(target)
+    with functions._guard_against_spurious_io_errors():
+        return functions._load_overload(signature, target)
 
 
 def inlined(function: Function, **options: Any) -> Function:
@@ -208,7 +227,7 @@ def _same(number: float) -> float:
 
 
 def load_machinery() -> None:
-    """Load what the first call of a compiled function needs, which takes up to a second.
+    """Load what the first call of a compiled function needs.
 
     A node does so before others can see it, so that it answers soon after they can.
     """

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from time import monotonic, sleep
 from typing import Any
 
 import rclpy
@@ -31,6 +32,8 @@ from furuta_ros.process import ROS_ARGUMENTS, StopSignal, bounded_end, own_argum
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.
 SPIN_TIMEOUT = 0.1
+# Longest wait for the nodes of this process to discover each other [s].
+DISCOVERY_TIMEOUT = 30.0
 
 
 @contextmanager
@@ -74,6 +77,30 @@ def executor_of(nodes: Iterable[Node]) -> Executor:
     for node in nodes:
         executor.add_node(node)
     return executor
+
+
+def wait_until_matched(nodes: Sequence[Node]) -> None:
+    """Return once every publisher of these nodes knows all their subscriptions to its topic.
+
+    In lock-step a message that does not reach a subscriber would stop the run.
+
+    Raises:
+        UserError: They do not discover each other.
+    """
+    required = {
+        publisher: sum(
+            subscription.topic_name == publisher.topic_name
+            for node in nodes
+            for subscription in node.subscriptions
+        )
+        for node in nodes
+        for publisher in node.publishers
+    }
+    deadline = monotonic() + DISCOVERY_TIMEOUT
+    while any(p.get_subscription_count() < count for p, count in required.items()):
+        if monotonic() > deadline:
+            raise UserError("the nodes of this process did not discover each other")
+        sleep(0.005)
 
 
 def spin_until(executor: Executor, done: Callable[[], bool]) -> None:

@@ -1,7 +1,7 @@
 """Settings: parameters of all nodes, from parameter files and NAME=VALUE assignments."""
 
 import logging
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -95,15 +95,17 @@ def load_settings(
     assignments: Iterable[str],
     base: Settings | None = None,
     namespace: str = "",
+    without: Collection[str] = (),
 ) -> Settings:
     """Settings from ``base``, parameter files and assignments; later ones take precedence.
 
-    ``namespace`` is that of the graph, such as ``/left``.
+    ``namespace`` is that of the graph, such as ``/left``. A node of the user's own may take the
+    place of one in ``without``: what a file has for it beside our parameters is ignored.
 
     Raises:
         ParameterError: A name is unknown, a value is not allowed, or nodes do not fit together.
     """
-    settings = collect_settings(files, assignments, base, namespace)
+    settings = collect_settings(files, assignments, base, namespace, without)
     check_graph(parameters_of(settings))
     return settings
 
@@ -113,11 +115,12 @@ def collect_settings(
     assignments: Iterable[str],
     base: Settings | None = None,
     namespace: str = "",
+    without: Collection[str] = (),
 ) -> Settings:
     """Like :func:`load_settings`, without the checks of several parameters together."""
     settings = base or default_settings()
     for file in files:
-        settings = merge_settings(settings, read_file(file, namespace))
+        settings = merge_settings(settings, read_file(file, namespace, without))
     return settings_with(settings, map(parse_assignment, assignments))
 
 
@@ -226,7 +229,7 @@ def _loop(made: Mapping[str, Any]) -> Loop:
     return Loop(plant.plant, estimator, observer.observer, controller)
 
 
-def read_file(file: Path, namespace: str = "") -> Settings:
+def read_file(file: Path, namespace: str = "", without: Collection[str] = ()) -> Settings:
     """Settings of the graph in a namespace from a ROS parameter file, or from a rig file."""
     content = read_yaml(file, "parameter file")
     if isinstance(content, Mapping) and is_rig_file(content):
@@ -234,7 +237,8 @@ def read_file(file: Path, namespace: str = "") -> Settings:
         return rig_settings(rig)
     settings = default_settings()
     for section in _applied(list(sections(content, file)), file, namespace):
-        _set_all(settings, _node_name(section.key, file), section.parameters, file)
+        node = _node_name(section.key, file)
+        _set_all(settings, node, section.parameters, file, is_replaced=node in without)
     return settings
 
 
@@ -267,8 +271,13 @@ def _node_name(key: str, file: Path) -> str:
     return name
 
 
-def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Path) -> None:
-    """Set the values of a section; raises ParameterError with its unknown names."""
+def _set_all(
+    settings: Settings, node: str, values: Mapping[str, Any], file: Path, is_replaced: bool
+) -> None:
+    """Set the values of a section; raises ParameterError with its unknown names.
+
+    If the node is replaced by another one, they are that one's parameters.
+    """
     unknown = []
     for name, value in values.items():
         if is_of_ros(name):
@@ -278,6 +287,8 @@ def _set_all(settings: Settings, node: str, values: Mapping[str, Any], file: Pat
         try:
             matches = parameters_in(node, name)
         except ParameterError as error:
+            if is_replaced:
+                continue
             unknown.append(str(error))
             if len(unknown) == MOST_REPORTED:
                 break

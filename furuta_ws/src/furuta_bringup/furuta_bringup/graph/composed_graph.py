@@ -1,7 +1,6 @@
 """The whole graph in one process, on one executor."""
 
 from collections.abc import Collection, Iterable
-from time import monotonic, sleep
 from typing import Any, ClassVar, cast
 
 from rclpy.clock import Clock, ClockType
@@ -19,14 +18,10 @@ from furuta.settings.nodes import (
 from furuta.settings.settings import Settings
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import COLLECT_EVERY, MakeRecorder
-from furuta_ros.errors import UserError
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim
-from furuta_ros.spinning import executor_of, prepare_to_spin, spin_until
+from furuta_ros.spinning import executor_of, prepare_to_spin, spin_until, wait_until_matched
 from furuta_sim.plant_node import PlantNode
-
-# Longest wait for the nodes of this process to discover each other [s].
-DISCOVERY_TIMEOUT = 30.0
 
 
 class ComposedGraph:
@@ -58,7 +53,7 @@ class ComposedGraph:
         if self._recorder is not None:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.nodes[0].create_timer(COLLECT_EVERY, self._recorder.collect, clock=steady)
-        _wait_until_matched([*self.nodes, *([self._recorder] if self._recorder else [])])
+        wait_until_matched([*self.nodes, *([self._recorder] if self._recorder else [])])
         self.executor: Executor = executor_of(self.nodes)
         prepare_to_spin()
 
@@ -118,24 +113,3 @@ def _make(description: NodeDescription, settings: Settings) -> FurutaNode[Any]:
     overrides = [Parameter(name, value=value) for name, value in given]
     made: FurutaNode[Any] = description.load_class()(overrides)
     return made
-
-
-def _wait_until_matched(nodes: list[Node]) -> None:
-    """Return once every publisher of these nodes knows all their subscriptions to its topic.
-
-    In lock-step a message that does not reach a subscriber would stop the run.
-    """
-    required = {
-        publisher: sum(
-            subscription.topic_name == publisher.topic_name
-            for node in nodes
-            for subscription in node.subscriptions
-        )
-        for node in nodes
-        for publisher in node.publishers
-    }
-    deadline = monotonic() + DISCOVERY_TIMEOUT
-    while any(p.get_subscription_count() < count for p, count in required.items()):
-        if monotonic() > deadline:
-            raise UserError("the nodes of this process did not discover each other")
-        sleep(0.005)

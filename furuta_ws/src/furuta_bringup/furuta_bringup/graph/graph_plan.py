@@ -86,12 +86,12 @@ def plan_graph(
     namespace = full_namespace(options.namespace)
     name = options.rig
     if options.hardware and not name:
-        given = collect_settings(files, assignments, base, namespace)
+        given = collect_settings(files, assignments, base, namespace, options.without)
         name = given[HARDWARE_BRIDGE].get("rig", "")
     rig = find_rig(name) if name else Rig()
     if name:
         base = merge_settings(base or default_settings(), rig_settings(rig))
-    settings = load_settings(files, assignments, base, namespace)
+    settings = load_settings(files, assignments, base, namespace, options.without)
     if options.hardware:
         bridge = settings[HARDWARE_BRIDGE]
         if name:

@@ -1,0 +1,1 @@
+"""A friction observer of my own."""
