@@ -274,16 +274,18 @@ def _about(cut: Segments, best: Fit, keys: Sequence[Key], scales: Scales) -> Lin
 def covariance_with_missed(cut: Segments, best: Fit, scales: Scales, drift: bool) -> np.ndarray:
     """Covariance (p, p) of the unknowns in their sizes, with what is not in the model.
 
-    Where the model does not explain the recording, an effect that was not found may be there: how
-    its best value would change the others is part of their error.
+    An effect that was not found may be there: how its best value would change the others is part of
+    their error, and so is how uncertain that value is.
     """
-    covered, known = best.covariance, best.unknowns.keys
+    covered, known, inflation = best.covariance, best.unknowns.keys, best.inflation(SURE)
     for name in smooth_effects(drift):
         if name in known:
             continue
         about = _about(cut, best, (*known, name), scales)
         shift = np.linalg.solve(about.information, about.gradient)[:-1]
-        covered = covered + np.outer(shift, shift)
+        wider = np.linalg.inv(about.information)[:-1, :-1]
+        wider -= np.linalg.inv(about.information[:-1, :-1])
+        covered = covered + np.outer(shift, shift) + inflation * wider
     return covered
 
 
