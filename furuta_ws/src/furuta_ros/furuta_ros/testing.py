@@ -1,10 +1,7 @@
 """For tests: nodes in one process, with a probe that publishes to them and collects their messages.
 
-with Bench() as bench:
-for node in (PlantNode(IN_LOCKSTEP), EstimatorNode(), MyObserver(), ControllerNode()):
-bench.add(node)
-truth = bench.collect(GROUND_TRUTH)
-bench.run_until(10.0)
+``with Bench() as bench``: :meth:`Bench.add` the nodes, :meth:`Bench.collect` topics, and
+:meth:`Bench.run_until` a time.
 """
 
 from array import array
