@@ -18,7 +18,9 @@ from furuta.identification.result.identified_rig import (
 )
 from furuta.identification.result.report import standard_errors, summary, verdict
 from furuta.identification.result.rig_friction import rig_followed, rig_friction
-from furuta.identification.shooting.unknowns import wave
+from furuta.identification.shooting.optimisation import optimise
+from furuta.identification.shooting.unknowns import BODY, wave
+from furuta.identification.uncertainty import covariance
 from furuta.identification.uncertainty.identifiability import undetermined
 from furuta_control.estimation import EstimatorParameters
 from furuta_hw.rigs.rig import Rig
@@ -160,6 +162,17 @@ def test_a_value_at_the_end_of_its_range_is_no_result(model: Model) -> None:
     assert summary(odd)["asymmetry"] is None
     rig, _ = identified_rig(odd, Rig())
     assert rig.friction.asymmetry == 0.0
+
+
+def test_errors_beyond_all_bodies_are_not_linear(
+    model: Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A body whose inertia is almost 0 cannot be simulated."""
+    found = (model.values, model.window, model.scale)
+    optimum = optimise(model.recordings, BODY, *found, robust=False)
+    assert covariance.is_linear(optimum)
+    monkeypatch.setattr(covariance, "block_covariance", lambda *_: 1e6 * np.eye(len(BODY)))
+    assert not covariance.is_linear(optimum)
 
 
 def test_the_verdict_looks_at_the_arm(model: Model) -> None:

@@ -13,7 +13,7 @@ from furuta.identification.errors import jackknife, noise_of
 from furuta.identification.least_squares import Linearised, evaluated, in_blocks, residuals, solved
 from furuta.identification.regression.speeds import turns_one_way
 from furuta.identification.shooting.optimisation import Optimum
-from furuta.identification.shooting.unknowns import BODY, wave
+from furuta.identification.shooting.unknowns import BODY, LARGEST_LOG_CHANGE, wave
 from furuta.identification.unknowns import field_of
 from furuta_model.state import PHI
 
@@ -136,6 +136,8 @@ def is_linear(optimum: Optimum) -> bool:
     for name in BODY:
         index = optimum.keys.index(name)
         step = LINEAR_PART * covariance[:, index] / np.sqrt(covariance[index, index])
+        if max(abs(step[optimum.keys.index(each)]) for each in BODY) > LARGEST_LOG_CHANGE:
+            return False
         values = problem.unknowns.changed(state.values, optimum.vector + step)
         first = state.first - np.einsum("skp,p->sk", about.back, step) * problem.cut.spread
         predicted = about.columns @ step
