@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple, Protocol
 
 from furuta_model.parameters import ParameterError
 
@@ -33,3 +33,40 @@ class Verdict(NamedTuple):
     def sentence(self) -> str:
         """As one line."""
         return "; ".join([self.usable, *self.reasons])
+
+
+class Identified(Protocol):
+    """What every result has: values and standard errors by name, and what is said of them."""
+
+    @property
+    def values(self) -> dict[str, float]:
+        """What is determined."""
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Those of the values."""
+
+    @property
+    def undetermined(self) -> dict[str, str]:
+        """Why the rest is not determined."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the values are usable."""
+
+    @property
+    def findings(self) -> list[str]:
+        """How the content of the recording was interpreted."""
+
+
+def reported(fit: Identified, unit_of: Callable[[str], str], **more: Any) -> dict[str, Any]:
+    """Everything by name, as the command line prints it."""
+    return {
+        **fit.values,
+        "standard_errors": fit.standard_errors,
+        "undetermined": fit.undetermined,
+        "units": {name: unit_of(name) for name in fit.values},
+        **fit.verdict._asdict(),
+        **more,
+        "findings": fit.findings,
+    }

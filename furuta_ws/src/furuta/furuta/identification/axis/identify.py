@@ -31,7 +31,7 @@ from furuta.identification.errors import quantisation_step
 from furuta.identification.least_squares import COARSE, Fit
 from furuta.identification.selection import chance_of, significance
 from furuta.identification.unknowns import Key, field_of, name_of
-from furuta.identification.verdict import DOUBTFUL, NO, Verdict
+from furuta.identification.verdict import DOUBTFUL, NO, Verdict, reported
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned
@@ -107,18 +107,13 @@ class AxisFit(NamedTuple):
 
     def report(self) -> dict[str, Any]:
         """Everything by name, as the command line prints it."""
-        return {
-            **self.values,
-            "standard_errors": self.standard_errors,
-            "undetermined": self.undetermined,
-            "units": {name: unit_of(name, self.recordings[0].units) for name in self.values},
-            "usable": self.usable,
-            "reasons": self.reasons,
-            "covariance": {"names": list(self.names), "values": self.covariance.tolist()},
-            "resolution": self.resolution,
-            "error": _free_runs(self, self.recordings[0], (("offset", 0), "drift")),
-            "findings": self.findings,
-        }
+        return reported(
+            self,
+            lambda name: unit_of(name, self.recordings[0].units),
+            covariance={"names": list(self.names), "values": self.covariance.tolist()},
+            resolution=self.resolution,
+            error=_free_runs(self, self.recordings[0], (("offset", 0), "drift")),
+        )
 
 
 def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:

@@ -46,7 +46,7 @@ from furuta.identification.least_squares import Fit
 from furuta.identification.regression.windows import Windows
 from furuta.identification.selection import significance
 from furuta.identification.unknowns import Key, Values, field_of, name_of
-from furuta.identification.verdict import DOUBTFUL, Verdict
+from furuta.identification.verdict import DOUBTFUL, Verdict, reported
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
@@ -115,17 +115,12 @@ class ArmJointFit(NamedTuple):
 
     def report(self) -> dict[str, Any]:
         """Everything by name, as the command line prints it."""
-        return {
-            **self.values,
-            "standard_errors": self.standard_errors,
-            "undetermined": self.undetermined,
-            "units": {name: unit_of(name, self.recording.units) for name in self.values},
-            "usable": self.usable,
-            "reasons": self.reasons,
-            "covariance": {"names": list(self.names), "values": self.covariance.tolist()},
-            "left_over": self.part,
-            "findings": self.findings,
-        }
+        return reported(
+            self,
+            lambda name: unit_of(name, self.recording.units),
+            covariance={"names": list(self.names), "values": self.covariance.tolist()},
+            left_over=self.part,
+        )
 
 
 class _Arm(NamedTuple):

@@ -22,7 +22,7 @@ from furuta.identification.bodies.body import Differentiated, Segments
 from furuta.identification.least_squares import Fit, Problem, evaluated, fit
 from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Unknown, Unknowns, Values
-from furuta.identification.verdict import DOUBTFUL, Verdict
+from furuta.identification.verdict import DOUBTFUL, Verdict, reported
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
@@ -73,16 +73,7 @@ class ServoFit(NamedTuple):
 
     def report(self) -> dict[str, Any]:
         """Everything by name, as the command line prints it."""
-        return {
-            **self.values,
-            "standard_errors": self.standard_errors,
-            "undetermined": self.undetermined,
-            "units": {name: UNITS.get(name, self.position_unit) for name in self.values},
-            "usable": self.usable,
-            "reasons": self.reasons,
-            "left_over": self.left,
-            "findings": self.findings,
-        }
+        return reported(self, lambda name: UNITS.get(name, self.position_unit), left_over=self.left)
 
 
 class Servo(Differentiated):
