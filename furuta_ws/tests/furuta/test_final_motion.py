@@ -65,13 +65,13 @@ def kind(run: Outcome) -> str:
     """Kind of the motion in the last half of a run."""
     if run.fell or not np.isfinite(run.phi_peak_to_peak_rad):
         return "unbounded"
-    return "rest" if run.phi_peak_to_peak_rad < 1e-4 else "oscillation"
+    return "rest" if run.phi_peak_to_peak_rad < 1e-4 else "limit_cycle"
 
 
 def test_an_unstable_rest_is_left() -> None:
     """The arm creeps to an unstable rest: it moves to and fro, with pauses set by disturbances."""
     motion = exact("zeta1=1.25")
-    assert motion.kind == "oscillation"
+    assert motion.kind == "limit_cycle"
     assert motion.period_s == np.inf
     run = simulated(200.0, "zeta1=1.25")
     assert motion.phi_peak_to_peak_rad == pytest.approx(run.phi_peak_to_peak_rad, rel=0.01)
@@ -173,7 +173,7 @@ def check_agreement(given: list[str], name: str) -> None:
 
 
 def _same_size(motion: LimitCycle, run: Outcome) -> bool:
-    if motion.kind != "oscillation" or not np.isfinite(motion.period_s):
+    if motion.kind != "limit_cycle" or not np.isfinite(motion.period_s):
         return True  # without a period, the disturbance decides where the arm pauses
     # Close to a rest, disturbances by the sampling decide the motion.
     tolerance = 0.02 if motion.rest_distance > 1e-4 else 0.3

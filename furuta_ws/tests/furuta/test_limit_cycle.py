@@ -33,7 +33,7 @@ def _gain(**poles: float) -> tuple[float, ...]:
 
 def test_values_of_the_paper() -> None:
     cycle = limit_cycle(ideal())
-    assert cycle.kind == "oscillation"
+    assert cycle.kind == "limit_cycle"
     assert cycle.stable
     assert cycle.phi_peak_to_peak_rad == pytest.approx(0.5106, rel=5e-4)
     assert cycle.theta_peak_to_peak_rad == pytest.approx(0.0918, abs=0.00005)
@@ -56,7 +56,7 @@ def test_independent_integration_closes_the_orbit(name: str) -> None:
     lugre, poles = SETS[name]
     loop = ideal(lugre, **poles)
     cycle = limit_cycle(loop)
-    assert cycle.kind == "oscillation"
+    assert cycle.kind == "limit_cycle"
     gains = np.array(_gain(**poles))
     start = np.array(cycle.point)
     path = reference.closed_loop(start, gains, cycle.period_s, BODY, lugre)
@@ -99,7 +99,7 @@ def test_positive_speed_feedback_alone_rotates(law: str, l2: float) -> None:
     """Fig. 4 c and d: steady rotation at the speed where l₂v is the friction."""
     loop = IdealLoop(BODY, friction_law(law), 0.0, l2, 60.0, 20.0)
     motion = limit_cycle(loop)
-    assert motion.kind == "rotation"
+    assert motion.kind == "steady"
     speed = abs(motion.rotation_rate_rad_s)
     lugre = Friction()
     bump = lugre.alpha1 * np.exp(-((speed / lugre.stribeck_velocity) ** 2))
@@ -144,7 +144,7 @@ def points() -> list[BranchPoint]:
 def test_branch_folds_where_the_cycle_disappears(points: list[BranchPoint]) -> None:
     (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
     value = fold_value(points, fold)
-    assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "oscillation"
+    assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "limit_cycle"
     assert limit_cycle(ideal(Friction(viscous=value + 0.004))).kind == "unbounded"
     multiplier = abs(points[fold].cycle.floquet_multipliers[0])
     assert multiplier == pytest.approx(1.0, abs=0.15)
@@ -156,7 +156,7 @@ def test_unstable_cycle_bounds_the_region_of_attraction(points: list[BranchPoint
     loop = ideal(Friction(viscous=unstable.value))
     point = np.array(unstable.cycle.point)
     ends = {limit_cycle(loop, point * (1.0 + d)).kind for d in (-0.01, 0.01)}
-    assert ends == {"oscillation", "unbounded"}
+    assert ends == {"limit_cycle", "unbounded"}
 
 
 def test_a_part_that_the_ideal_loop_lacks_is_refused() -> None:

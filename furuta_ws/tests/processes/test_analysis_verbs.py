@@ -53,7 +53,7 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any, tmp_path: Path) -
 def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
     picture = tmp_path / "cycle.png"
     result = answer(furuta("limit-cycle", "--json", "--out", picture))
-    assert (result["kind"], result["stable"]) == ("oscillation", True)
+    assert (result["kind"], result["stable"]) == ("limit_cycle", True)
     assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
     assert picture.read_bytes().startswith(PNG)
 
@@ -61,7 +61,7 @@ def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
 def test_a_map_has_corners_that_are_impossible(furuta: Any) -> None:
     ranges = ("--over", "omega1=-2:7:2", "--over", "omega2=-2:5:2")
     rows = answer(furuta("limit-cycle", *ranges, "--json"))["rows"]
-    assert [row["kind"] for row in rows] == [*["impossible"] * 3, "oscillation"]
+    assert [row["kind"] for row in rows] == [*["impossible"] * 3, "limit_cycle"]
     assert rows[-1]["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
 
 

@@ -35,6 +35,11 @@ if TYPE_CHECKING:
     from furuta.axis.joint_file import write_joint_file as write_joint_file
     from furuta.axis.quiet_gains import quiet_gains as quiet_gains
     from furuta.axis.simulation import simulate_axis as simulate_axis
+    from furuta.cycles import cycle_branch as cycle_branch
+    from furuta.cycles import cycle_map as cycle_map
+    from furuta.cycles import friction_joint as friction_joint
+    from furuta.cycles import limit_cycle as limit_cycle
+    from furuta.cycles import predict_cycles as predict_cycles
     from furuta.describing_functions.describing_function import (
         describing_function as describing_function,
     )
@@ -42,30 +47,19 @@ if TYPE_CHECKING:
     from furuta.identification.bodies.arm_joint import identify_arm_joint as identify_arm_joint
     from furuta.identified_models import identified_values as identified_values
     from furuta.identified_models import identify as identify
-    from furuta.limit_cycles.joint import Joint as Joint
-    from furuta.limit_cycles.joint import JointCycle as JointCycle
-    from furuta.limit_cycles.joint import branch as branch
-    from furuta.limit_cycles.pendulum_loop import IdealLoop as IdealLoop
-    from furuta.limit_cycles.periodic_orbit import LimitCycle as LimitCycle
-    from furuta.loops import ideal_loop as ideal_loop
     from furuta.loops import load_rig as load_rig
     from furuta.loops import make_loop as make_loop
     from furuta.loops import rig_names as rig_names
     from furuta.models import friction_law as friction_law
     from furuta.models import friction_nonlinearity as friction_nonlinearity
+    from furuta.models import linear_model as linear_model
     from furuta.models import linearize as linearize
     from furuta.models import place_poles as place_poles
-    from furuta.motions import friction_joint as friction_joint
-    from furuta.motions import limit_cycle as limit_cycle
     from furuta.motions import measure as measure
-    from furuta.motions import predict_cycles as predict_cycles
     from furuta.motions import simulate as simulate
-    from furuta.motions import trace_cycle as trace_cycle
     from furuta.motions import tune as tune
     from furuta.recordings import load_series as load_series
     from furuta.recordings import read_recording as read_recording
-    from furuta.recordings import simulated_series as simulated_series
-    from furuta.recordings import write_series as write_series
     from furuta.tables import compare as compare
     from furuta.tables import random_rigs as random_rigs
     from furuta.tables import sweep as sweep
@@ -77,9 +71,7 @@ if TYPE_CHECKING:
     from furuta_model.pendulum import FurutaPendulum as FurutaPendulum
     from furuta_recordings.readers import read_axis as read_axis
     from furuta_recordings.recording import Recording as Recording
-    from furuta_recordings.series_columns import COLUMNS as COLUMNS
     from furuta_sim.simulation.closed_loop import Loop as Loop
-    from furuta_sim.simulation.closed_loop import Record as Record
 
     __version__: str
 

@@ -16,7 +16,7 @@ from furuta_model.friction.laws import analysed_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError, declared, shortened, validated, values
 from furuta_sim.parameters import PlantParameters
-from furuta_sim.simulation.closed_loop import Loop
+from furuta_sim.simulation.closed_loop import PARTS, Loop
 
 # Parameters of the plant that the ideal loop has, and what is ideal in it: sensors, sampling and
 # converter. It is released by its user. It refuses all others unless they change nothing.
@@ -27,6 +27,9 @@ LACKS = {
     for each in declared(PlantParameters)
     if not (each.about.shape or each.name.startswith((*HAS, *IDEAL)))
 }
+
+# Gains of u = l·x, which have names here although they are no parameters of a node.
+GAINS = ("l1", "l2", "l3", "l4")
 
 # A function of the user's own, or a law made of some.
 Part = Callable[..., Any] | Law
@@ -61,7 +64,7 @@ def load_rig(name: str | Path) -> Rig:
 
 
 def make_loop(
-    values: Mapping[str, Any] | None = None,
+    values: Mapping[str, Any] | Iterable[str] | None = None,
     *,
     rig: Rig | str | Path | None = None,
     files: Iterable[str | Path] = (),
@@ -71,7 +74,8 @@ def make_loop(
     Args:
         values: Parameters by name, in the units of the installed parameter files. ``alpha0`` sets
             the parameter wherever it occurs, ``plant.friction.alpha0`` only the true friction. A
-            choice of a part, such as ``friction.law``, can be a function or :class:`furuta.Law`.
+            choice of a part, such as ``friction.law``, can be a function or :class:`furuta.Law`. Or
+            texts NAME=VALUE, as of ``--set`` on the command line.
         rig: A rig, its name or its file; by default the rig of the paper.
         files: ROS parameter files. Later ones take precedence, ``values`` over all of them.
 
@@ -86,6 +90,8 @@ def make_loop(
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)
     base = None if rig is None else settings.rig_settings(rig)
+    if values is not None and not isinstance(values, Mapping):
+        return settings.loop(settings.load_settings(map(Path, files), values, base))
     given = settings.collect_settings(map(Path, files), [], base)
     return settings.loop_with(given, {k: plain_value(value) for k, value in (values or {}).items()})
 
@@ -152,6 +158,50 @@ def ideal_loop(
     ideal = IdealLoop(loop.plant.model, analysed, *checked_feedback(list(feedback)), linear)
     require_stabilising(ideal)
     return ideal
+
+
+def ideal_loop_at(
+    loop: Loop,
+    values: Mapping[str, float],
+    law: str | None = None,
+    feedback: Iterable[float] | None = None,
+    linear: bool = False,
+) -> IdealLoop:
+    """The ideal loop with further values of parameters or of the gains :data:`GAINS`.
+
+    Unlike :func:`ideal_loop` it allows a feedback that does not stabilise the pendulum.
+    """
+    from furuta.settings.settings import loop_settings, loop_with
+
+    named = {name: float(value) for name, value in values.items() if name not in GAINS}
+    changed = loop_with(loop_settings(loop), named) if named else loop
+    ideal = ideal_loop(changed, law=law, linear=linear)
+    gains = ideal.gains if feedback is None else checked_feedback(list(feedback))
+    l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, gains, strict=True))
+    return ideal.with_gains((l1, l2, l3, l4))
+
+
+def value_of(loop: Loop, name: str, feedback: Iterable[float] | None = None) -> float | None:
+    """The value of a parameter or gain in a loop, None if nodes have different values."""
+    from furuta.settings.parameter_names import parameters_named
+    from furuta.settings.settings import loop_settings
+
+    if name in GAINS:
+        return float(getattr(ideal_loop_at(loop, {}, feedback=feedback), name))
+    settings = loop_settings(loop)
+    found = {settings[node][declared.name] for node, declared in parameters_named(name)}
+    return float(found.pop()) if len(found) == 1 else None
+
+
+def require_varied(name: str) -> None:
+    """Reject a name that is no number of the ideal loop."""
+    from furuta.settings.parameter_names import parameters_named
+
+    for node, parameter in () if name in GAINS else parameters_named(name):
+        if node == PARTS[0] and parameter.name in LACKS:
+            raise ParameterError(f"the ideal loop has no plant.{parameter.name} to vary")
+        if parameter.kind not in (float, int):
+            raise ParameterError(f"{name} is not a number")
 
 
 def _require_plain(plant: PlantParameters) -> None:

@@ -16,18 +16,13 @@ is multiplied by any complex number in the disk with the real diameter from (2 �
 introduction to disk margins, IEEE Control Systems 40(5), 2020).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.outcomes import sensors_alone
-from furuta.transfer import checked_feedback, transfer
 from furuta_model.linear import linearize
 from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
-from furuta_sim.simulation.closed_loop import Loop
 
 POINTS = 20_000  # of the grid over ω for the disk margin
 SPAN = 1e3  # of that grid beyond the slowest and fastest pole
@@ -92,54 +87,3 @@ def _real_roots(polynomial: np.ndarray) -> np.ndarray:
     roots = np.roots(polynomial)
     real: np.ndarray = roots[np.isreal(roots)].real
     return real
-
-
-def linear_report(loop: Loop, feedback: Sequence[float] | None = None) -> dict[str, Any]:
-    """Linear model of the controller, poles, gain L, margins and the sensors' swing by name.
-
-    ``feedback`` is l (4,) of u = l·x instead of the controller's; L = −l.
-    """
-    controller = loop.controller
-    a, b = linearize(controller.model, controller.model_viscous)
-    gain = -np.array(checked_feedback(feedback)) if feedback else np.array(controller.feedback_gain)
-    closed = np.linalg.eigvals(a - np.outer(b, gain))
-    report = {
-        **controller.model._asdict(),
-        "A": a.tolist(),
-        "B": b.tolist(),
-        "open_loop_poles": pairs(np.sort_complex(np.linalg.eigvals(a))),
-        "L": gain.tolist(),
-        "closed_loop_poles": pairs(np.sort_complex(closed)),
-    }
-    if np.all(closed.real < 0.0):
-        report["margins"] = margins(controller.model, gain, controller.model_viscous)._asdict()
-        given = controller._replace(gain=tuple(gain.tolist()))
-        report["sensors_alone_rad"] = sensors_alone(loop._replace(controller=given))
-    return report
-
-
-def nyquist_report(cases: Mapping[str, IdealLoop]) -> dict[str, Any]:
-    """Crossings of the negative real axis by G of every loop, and G by the name of the case."""
-    responses = {case: transfer(loop.body, loop.gains) for case, loop in cases.items()}
-    return {
-        "crossings": [
-            {"case": case, **crossing._asdict()}
-            for case, g in responses.items()
-            for crossing in g.crossings
-        ],
-        "nyquist": {
-            case: {
-                "feedback": cases[case].gains,
-                "numerator": g.numerator,
-                "denominator": g.denominator,
-                "poles": pairs(g.poles),
-                "stable_without_friction": g.stable,
-            }
-            for case, g in responses.items()
-        },
-    }
-
-
-def pairs(roots: Iterable[complex]) -> list[list[float]]:
-    """Complex numbers as lists of real and imaginary part."""
-    return [[float(root.real), float(root.imag)] for root in roots]

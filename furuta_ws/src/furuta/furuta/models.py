@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from furuta.describing_functions.describing_function import describing_function
 from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.loops import checked_loop
+from furuta.loops import checked_loop, ideal_loop_at
+from furuta.margins import margins
+from furuta.outcomes import sensors_alone
+from furuta.passivity import observer_passivity
+from furuta.results.linear import Linear, LinearModel
+from furuta.transfer import FIGURE_4, checked_feedback
 from furuta_model.friction import laws
 from furuta_model.friction.parameters import Friction
 from furuta_model.linear import DesiredPoles
-from furuta_model.linear import linearize as linear_model
+from furuta_model.linear import linearize as linearized
 from furuta_model.linear import place_poles as placed
 from furuta_model.optional import needed_by
 from furuta_model.parameters import ParameterError, validated
@@ -22,6 +28,8 @@ from furuta_sim.simulation.closed_loop import Loop
 if TYPE_CHECKING:
     import control
 
+# Name of the loop with the controller's or the given feedback, beside those of Fig. 4.
+GIVEN = "given"
 # Names of x.
 STATES = ["phi", "phi_dot", "theta", "theta_dot"]
 
@@ -45,7 +53,7 @@ def linearize(loop: Loop | IdealLoop | FurutaPendulum | None = None) -> control.
     with needed_by("furuta.linearize"):
         import control
     body, feedback, viscous = _parts(loop)
-    a, b = linear_model(validated(body), viscous)
+    a, b = linearized(validated(body), viscous)
     names = {"inputs": ["torque"], "outputs": STATES, "states": STATES}
     identity, zero = np.eye(len(b)), np.zeros((len(b), 1))
     return control.ss(a + np.outer(b, feedback), b[:, None], identity, zero, **names)
@@ -60,6 +68,61 @@ def _parts(loop: Loop | IdealLoop | FurutaPendulum | None) -> tuple[FurutaPendul
     loop = checked_loop(loop)
     feedback = -np.array(loop.controller.feedback_gain)
     return loop.plant.model, feedback, loop.plant.friction.parameters.viscous
+
+
+def linear_model(
+    loop: Loop | None = None,
+    *,
+    feedback: Iterable[float] | None = None,
+    nyquist: bool = False,
+    figure_4: bool = False,
+    passivity: bool = False,
+) -> LinearModel:
+    """The controller's linear model, its poles, gain and margins.
+
+    Args:
+        loop: The loop; by default that of the paper.
+        feedback: l (4,) of u = l·x instead of the controller's; L = −l.
+        nyquist: Whether to add G(jω) from −F to the arm's speed, eq. (10), of the plant's model,
+            and where it crosses the real axis: limit cycles are possible at the negative one.
+        figure_4: Whether these are the curves of the four feedbacks of Fig. 4 instead.
+        passivity: Whether to add the condition under which the LuGre observer converges.
+
+    Raises:
+        ParameterError: A value is out of its range, or the plant has what the ideal loop lacks.
+    """
+    loop = checked_loop(loop)
+    controller, model = loop.controller, loop.controller.model
+    if feedback is not None and figure_4:
+        raise ParameterError("figure_4 has feedbacks of its own: leave out feedback")
+    a, b = linearized(model, controller.model_viscous)
+    given = None if feedback is None else checked_feedback(list(feedback))
+    gain = np.array(controller.feedback_gain) if given is None else -np.array(given)
+    closed = np.linalg.eigvals(a - np.outer(b, gain))
+    stable = bool(np.all(closed.real < 0.0))
+    cases: dict[str, IdealLoop] = {}
+    condition = None
+    if nyquist or figure_4 or passivity:
+        ideal = ideal_loop_at(loop, {}, "lugre", given)
+        feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains} if nyquist else {}
+        cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
+        if passivity:
+            condition = observer_passivity(ideal, loop.observer.observer_gain)
+    sensed = loop._replace(controller=controller._replace(gain=tuple(gain.tolist())))
+    found = Linear(
+        model,
+        a,
+        b,
+        np.sort_complex(np.linalg.eigvals(a)),
+        gain,
+        np.sort_complex(closed),
+        margins(model, gain, controller.model_viscous) if stable else None,
+        sensors_alone(sensed) if stable else None,
+        condition,
+        loop.observer.observer_gain,
+        (loop.observer.friction, model) == (loop.plant.friction.parameters, loop.plant.model),
+    )
+    return LinearModel(found, cases)
 
 
 def place_poles(pendulum: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
+from furuta.results.motion import simulated_series
+from furuta.results.table import Series
 from furuta_model.parameters import ParameterError
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.readers import Mapping as Names
@@ -18,11 +20,10 @@ from furuta_recordings.series_columns import (
     MEASURED,
     TIME,
     TRUE,
-    Series,
     by_name,
     known,
 )
-from furuta_recordings.table_files import SUFFIXES, read_columns, write_columns
+from furuta_recordings.table_files import SUFFIXES, read_columns
 from furuta_ros import topics
 from furuta_sim.simulation.closed_loop import Record
 
@@ -61,11 +62,11 @@ def load_series(
     pendulum: str | None = None,
     command: str | None = None,
     states: str | None = None,
-) -> dict[str, np.ndarray]:
+) -> Series:
     """The series of a bag or file as columns of equal length, one row per sample.
 
     Args:
-        path: A bag, a file that :func:`write_series` or ``furuta simulate --out`` wrote, or a CSV
+        path: A bag, a file that ``furuta simulate --out`` or :meth:`Series.write` wrote, or a CSV
             table of another rig.
         arm: Name of the arm's joint, for a recording of another rig.
         pendulum: Name of the pendulum's joint.
@@ -73,45 +74,12 @@ def load_series(
         states: Topic of the joint states.
 
     Returns:
-        Series (n,) by name; :data:`furuta.COLUMNS` has the unit of each. NaN is no value.
-        ``pandas.DataFrame(series)`` makes a table of them.
+        Series (n,) by name, which ends in the unit. NaN is no value.
 
     Raises:
         ParameterError: There is no such file, or it holds no series.
     """
     return series_with_findings(Path(path), Names(arm, pendulum, command, states))[0]
-
-
-def simulated_series(record: Record) -> dict[str, np.ndarray]:
-    """The series of a simulation as columns.
-
-    Args:
-        record: What :func:`furuta.simulate` returned.
-
-    Returns:
-        Series (n,) by name; :data:`furuta.COLUMNS` has the unit of each.
-    """
-    return {
-        TIME: record.time,
-        **known(by_name(MEASURED, record.measurement)),
-        **by_name(ESTIMATED, record.estimate[:, :RIGID_STATES]),
-        FRICTION_ESTIMATE: record.friction_estimate,
-        COMMAND: record.command,
-        **by_name(TRUE, np.column_stack([record.state, record.friction])),
-    }
-
-
-def write_series(path: str | Path, columns: Mapping[str, np.ndarray]) -> None:
-    """Write series to a file, whose suffix determines its format.
-
-    Args:
-        path: A file that ends in .csv, .parquet, .mat (MATLAB) or .npz; it is replaced.
-        columns: Series (n,) by name, of equal length, as :func:`load_series` returns them.
-
-    Raises:
-        ParameterError: The suffix is another one, or Parquet is not installed.
-    """
-    write_columns(Path(path), columns)
 
 
 def series_with_findings(path: Path, names: Names | None = None) -> tuple[Series, list[str]]:
@@ -134,7 +102,7 @@ def series_with_findings(path: Path, names: Names | None = None) -> tuple[Series
         chosen = {name: columns[name] for name in COLUMNS if name in columns}
         if any(values.shape != (len(chosen[TIME]),) for values in chosen.values()):
             raise ParameterError(f"{path}: its series have different lengths")
-        return chosen, []
+        return Series(chosen), []
     if {"state", "estimate", "time"} <= columns.keys():
         return _simulation_file(path, columns), []
     return _recorded_series(read(path, names))
@@ -148,7 +116,7 @@ def _simulation_file(path: Path, columns: Mapping[str, np.ndarray]) -> Series:
             float(time[1] - time[0]) if len(time) > 1 else 0.0,
             *(columns[name] for name in Record._fields[1:]),
         )
-        return {**simulated_series(record), TIME: time}
+        return Series({**simulated_series(record), TIME: time})
     except (KeyError, ValueError, IndexError, TypeError) as error:
         raise ParameterError(f"{path} is not a file of `furuta simulate --out`: {error}") from None
 
@@ -173,7 +141,7 @@ def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
             **by_name(TRUE, recorded.truth),
         }
     )
-    return columns, []
+    return Series(columns), []
 
 
 def _recorded_series(recording: Recording) -> tuple[Series, list[str]]:
@@ -184,4 +152,4 @@ def _recorded_series(recording: Recording) -> tuple[Series, list[str]]:
     if not len(recording.command):
         command = missing[:, 0]
     columns = known({TIME: recording.time, **measured, COMMAND: command})
-    return columns, list(recording.findings)
+    return Series(columns), list(recording.findings)

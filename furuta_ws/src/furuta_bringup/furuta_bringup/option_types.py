@@ -35,7 +35,7 @@ class OutputFile(click.Path):
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 FIGURE = OutputFile(*FIGURE_SUFFIXES)
 TABLE = OutputFile(*TABLE_SUFFIXES)
-SERIES_OR_FIGURE = OutputFile(*SUFFIXES, *FIGURE_SUFFIXES)
+SERIES = OutputFile(*SUFFIXES)
 
 
 class FiniteRange(click.FloatRange):

@@ -12,7 +12,7 @@ from typing import Any, TypeVar, cast
 
 import click
 
-from furuta_bringup.option_types import PATH, FiniteRange
+from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, suggestion
@@ -48,6 +48,11 @@ def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Func
 SIMULATED_SECONDS = FiniteRange(0, MOST_SECONDS, min_open=True)
 MEASURED_SECONDS = FiniteRange(5, 3600)
 SEED = click.IntRange(0, 2**62)
+
+
+def figure_option(drawn: str) -> Callable[[Function], Function]:
+    """``--figure FILE``, which draws the result."""
+    return option("--figure", type=FIGURE, help=drawn)
 
 
 def model_options(function: Function) -> Function:

@@ -1,21 +1,27 @@
 """Prints results as JSON or for people, tables and progress, with text fit for the terminal."""
 
+from __future__ import annotations
+
 import codecs
 import json
 import math
 import sys
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from io import TextIOWrapper
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from furuta.results.text import values_text
+
+if TYPE_CHECKING:
+    from furuta.results.result import Result
+    from furuta_model.progress import Progress
 
 Item = TypeVar("Item")
 
 # Most characters of a line; a name in a damaged or hostile file may have millions.
 LONGEST_LINE = 2000
-WIDEST = 10_000  # of a table [characters]
-# Names whose values are lists of complex numbers, as real and imaginary part.
-COMPLEX = ("poles", "zeros", "multipliers")
 # How to spell signs in an encoding that lacks them; Greek letters have their names.
 SPELLINGS = {"≤": "<=", "≥": ">=", "→": "->", "−": "-", "–": "-", "·": "*", "±": "+-", "°": "deg"}
 SPELLINGS |= {"\N{COMBINING CIRCUMFLEX ACCENT}": "^", "\N{COMBINING DOT ABOVE}": "'", "μ": "u"}
@@ -63,36 +69,35 @@ def escaped(text: str) -> str:
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
-def rounded(value: Any) -> str:
-    """A value for a table: a number with six digits, which is more than is known."""
-    if isinstance(value, (list, tuple)):
-        return ", ".join(map(rounded, value)) or "none"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+def show(result: Any, as_json: bool, figure: Path | None = None, **more: Any) -> None:
+    """Print a result, or values by name, as one JSON object or as text; draw its ``figure``.
 
-
-def show(result: dict[str, Any], as_json: bool) -> None:
-    """Print a result: as one JSON object, or a line per value for people."""
+    ``more`` are values that only the JSON object has.
+    """
+    if figure is not None:
+        draw(result, figure)
+        more["figure"] = str(figure)
     if as_json:
-        print_json(result)
-    else:
-        print("\n".join(map(escaped, _lines(result))))
+        print_json((result if type(result) is dict else result.to_dict()) | more)
+        return
+    print_text(values_text(result) if type(result) is dict else result.report())
+    if figure is not None:
+        print_text(values_text({"figure": str(figure)}))
 
 
-def _lines(result: dict[str, Any], indent: str = "") -> Iterator[str]:
-    for name, value in result.items():
-        title = f"{indent}{name:<{max(0, 24 - len(indent))}}"
-        if isinstance(value, dict):
-            yield title.rstrip()
-            yield from _lines(value, indent + "  ")
-        elif name.endswith(COMPLEX):
-            yield f"{title} " + (", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value) or "none")
-        elif isinstance(value, list) and any(isinstance(item, (dict, list)) for item in value):
-            yield title.rstrip()
-            for item in value:
-                row = item.items() if isinstance(item, dict) else [("", item)]
-                yield indent + "  " + ", ".join(f"{k} {rounded(v)}".strip() for k, v in row)
-        else:
-            yield f"{title} {rounded(value)}"
+def draw(result: Result, path: Path) -> None:
+    """Write the figure of a result; no window opens."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from furuta.figures.figure import save_figure
+
+    save_figure(result.plot, path)
+
+
+def print_text(text: str) -> None:
+    """Print lines with escapes for what a terminal would not print."""
+    print("\n".join(map(escaped, text.splitlines())))
 
 
 def print_json(result: dict[str, Any]) -> None:
@@ -111,6 +116,11 @@ def finite(value: Any) -> Any:
     return value
 
 
+def bar(title: str, quiet: bool = False) -> Progress:
+    """What shows on the terminal how far a computation is."""
+    return lambda items, number: with_progress(title, items, number, quiet)
+
+
 def with_progress(
     title: str, items: Iterable[Item], size: int, quiet: bool = False
 ) -> Iterator[Item]:
@@ -126,27 +136,3 @@ def with_progress(
         for item in items:
             yield item
             progress.advance(task)
-
-
-def print_table(title: str, rows: Iterable[Mapping[str, Any]], headings: Mapping[str, str]) -> None:
-    """Print the columns that ``headings`` names; the first one is text, NaN and None are dashes."""
-    from rich.box import SIMPLE
-    from rich.markup import escape
-    from rich.table import Table
-
-    table = Table(title=escape(title), box=SIMPLE, padding=(0, 0, 0, 1), pad_edge=False)
-    for number, heading in enumerate(headings.values()):
-        justify: Any = "right" if number else "left"
-        table.add_column(escape(heading), justify=justify, no_wrap=not number)
-    for row in rows:
-        values = (finite(row[name]) for name in headings)
-        texts = (f"{value:.3g}" if isinstance(value, float) else value for value in values)
-        table.add_row(*("–" if text is None else escape(escaped(str(text))) for text in texts))
-    console().print(table)
-
-
-def console() -> Any:
-    """Standard output; a pipe or a file is as wide as a table, so that no number is cut."""
-    from rich.console import Console
-
-    return Console(width=None if sys.stdout.isatty() else WIDEST)

@@ -15,9 +15,8 @@ from furuta.describing_functions.predicted_cycles import predict_cycles
 from furuta.lanes.batch import available_cores
 from furuta.lanes.lanes import compile_stages
 from furuta.limit_cycles.limit_cycle import limit_cycle
-from furuta.loops import make_loop
+from furuta.loops import ideal_loop, make_loop
 from furuta.settings.nodes import graph_nodes
-from furuta.studies.analysis_options import AnalysisOptions
 from furuta.studies.feedback_map import predicted_peak_to_peak
 from furuta.transfer import transfer
 from furuta_bringup.printing import with_progress
@@ -43,7 +42,7 @@ def compile_lanes() -> None:
 
 def compile_library() -> None:
     """Exact and predicted limit cycles, servo axes."""
-    loop = AnalysisOptions(law="lugre").ideal_loop()
+    loop = ideal_loop(law="lugre")
     limit_cycle(loop)
     predicted_peak_to_peak(loop)
     predict_cycles(transfer(loop.body, loop.gains), loop.law)

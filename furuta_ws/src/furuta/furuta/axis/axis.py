@@ -20,6 +20,7 @@ import numpy as np
 
 from furuta.limit_cycles.joint import Joint, JointCycle, final_motion, joint
 from furuta.limit_cycles.linear_loop import BRISTLE, W
+from furuta.results.cycles import JointCycle as Shown
 from furuta_model.friction.laws import check_friction, falls, find_law
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
@@ -223,7 +224,7 @@ def axis_report(motions: dict[str, JointCycle]) -> dict[str, Any]:
     """The final motions of an axis by the names of the command line."""
     reports = []
     for start, motion in motions.items():
-        report = {"start": start, **motion.report()}
+        report = {"start": start, **Shown(motion).to_dict()}
         report["peak_to_peak_rad"] = report.pop("peak_to_peak")
         reports.append(report)
     shown = ("start", "kind", "peak_to_peak_rad", "period_s", "stable")

@@ -1,5 +1,1 @@
-"""Figures of results, drawn without a screen and without ROS."""
-
-import matplotlib
-
-matplotlib.use("Agg")
+"""Figures of results, without ROS."""

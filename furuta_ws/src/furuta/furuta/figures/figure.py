@@ -1,17 +1,18 @@
 """What all figures share: creation, saving, labels and grid; symbols of the parameters."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from furuta.loops import GAINS
 from furuta.quantities import QUANTITIES
 from furuta.settings.parameter_names import parameters_named
-from furuta.studies.analysis_options import GAINS
+from furuta_model.parameters import ParameterError
 from furuta_ros.whole_files import whole_file
 
 DPI = 110
@@ -54,22 +55,37 @@ GAIN_LABELS = dict(
 )
 
 
-@contextmanager
-def saved_figure(
-    path: Path, rows: int = 1, columns: int = 1, *, dpi: int = DPI, **options: Any
-) -> Iterator[tuple[Figure, Any]]:
-    """A figure and its axes to draw on, written to ``path`` at the end of the ``with`` block.
+def axes_for(axes: Any, rows: int = 1, columns: int = 1, **options: Any) -> tuple[Figure, Any]:
+    """The figure and the axes to draw on: those given, or new ones.
 
-    ``options`` are those of :func:`matplotlib.pyplot.subplots`. The directory is created. Nothing
-    is written after an exception.
+    ``options`` are those of :func:`matplotlib.pyplot.subplots`, and so is the shape of the axes.
+
+    Raises:
+        ParameterError: The axes given are not as many as needed.
     """
-    figure, axes = plt.subplots(rows, columns, layout="constrained", **options)
+    if axes is None:
+        return plt.subplots(rows, columns, layout="constrained", **options)
+    given = np.ravel(axes)
+    if given.size != rows * columns:
+        raise ParameterError(f"the figure has {rows * columns} axes, given {given.size}")
+    figure, shaped = given[0].figure, given.reshape(rows, columns)
+    squeezed = shaped if options.get("squeeze") is False else np.squeeze(shaped)
+    return figure, squeezed if squeezed.ndim else squeezed.item()
+
+
+def save_figure(plot: Callable[[], Any], path: Path) -> None:
+    """Draw with ``plot``, which returns axes, and write the figure; the folder is created.
+
+    Nothing is written after an exception, and no figure stays open.
+    """
+    open_before = set(plt.get_fignums())
     try:
-        yield figure, axes
+        figure = np.ravel(plot())[0].figure
         with whole_file(path) as new:
-            figure.savefig(new, dpi=dpi)
+            figure.savefig(new, dpi=DPI)
     finally:
-        plt.close(figure)
+        for number in set(plt.get_fignums()) - open_before:
+            plt.close(number)
 
 
 def legend_outside(figure: Figure, place: Any, *entries: Any, **options: Any) -> None:
@@ -79,6 +95,8 @@ def legend_outside(figure: Figure, place: Any, *entries: Any, **options: Any) ->
     """
     legend = figure.legend(*entries, loc=place, **options)
     engine: Any = figure.get_layout_engine()
+    if not hasattr(engine, "set"):  # a figure of the user's own, with another layout
+        return
     pad = 2.0 * engine.get()["h_pad"] / figure.get_figheight()
     height = legend.get_window_extent().height / figure.bbox.height + pad
     engine.set(rect=(0.0, height if "lower" in place else 0.0, 1.0, 1.0 - height))

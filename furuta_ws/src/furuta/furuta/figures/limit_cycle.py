@@ -1,6 +1,5 @@
 """Exact limit cycles: one period of the pendulum or of an axis, and a branch over a parameter."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,8 @@ from furuta.figures.figure import (
     PENDULUM,
     REFERENCE,
     VOLTAGE,
+    axes_for,
     axis_label,
-    saved_figure,
     style_axis,
 )
 from furuta.limit_cycles.continuation import BranchPoint
@@ -35,27 +34,40 @@ PERIODS = 2
 MARKED_EVENTS = {"fold": "fold", "vanishes": "the cycle vanishes"}
 
 
-def draw_limit_cycle(motion: Trajectory, cycle: LimitCycle, law: str, path: Path) -> None:
+def draw_limit_cycle(motion: Trajectory, cycle: LimitCycle, law: str, axes: Any = None) -> Any:
     """Draw arm, pendulum, control and friction over one period, and the arm's phase plane."""
     title = (
         f"{law}: {cycle.phi_peak_to_peak_rad:.4f} rad, {cycle.period_s:.3f} s, stuck "
         f"{cycle.stuck_fraction:.0%}, {'stable' if cycle.stable else 'unstable'}, largest "
         f"multiplier {abs(cycle.floquet_multipliers[0]):.3g}"
     )
-    with saved_figure(path, 2, 2, figsize=(10, 6.5)) as (figure, axes):
-        (arm, pendulum), (force, plane) = axes
-        _draw_cycle(arm, force, plane, motion)
-        pendulum.plot(motion.time, motion.state[:, THETA], color=PENDULUM)
-        style_axis(arm, y=QUANTITIES["arm"].axis)
-        style_axis(pendulum, y=QUANTITIES["pendulum"].axis)
-        style_axis(force, "time [s]", "[V]")
-        style_axis(plane, QUANTITIES["arm"].axis, "arm speed [rad/s]")
-        figure.suptitle(title)
+    figure, axes = axes_for(axes, 2, 2, figsize=(10, 6.5))
+    (arm, pendulum), (force, plane) = axes
+    _draw_cycle(arm, force, plane, motion)
+    pendulum.plot(motion.time, motion.state[:, THETA], color=PENDULUM)
+    style_axis(arm, y=QUANTITIES["arm"].axis)
+    style_axis(pendulum, y=QUANTITIES["pendulum"].axis)
+    style_axis(force, "time [s]", "[V]")
+    style_axis(plane, QUANTITIES["arm"].axis, "arm speed [rad/s]")
+    figure.suptitle(title)
+    return axes
+
+
+def draw_joint(motion: Trajectory, title: str, axes: Any = None) -> Any:
+    """Draw position and forces of a friction joint over some periods, and the phase plane."""
+    figure, axes = axes_for(axes, 1, 3, figsize=(12, 4))
+    position, force, plane = axes
+    _draw_cycle(position, force, plane, motion, PERIODS)
+    style_axis(position, "time", "position")
+    style_axis(force, "time", "force")
+    style_axis(plane, "position", "speed")
+    figure.suptitle(title)
+    return axes
 
 
 def draw_axis(
-    motion: Trajectory | None, cycle: JointCycle, runs: dict[str, AxisRecord], path: Path
-) -> None:
+    motion: Trajectory | None, cycle: JointCycle, runs: dict[str, AxisRecord], axes: Any = None
+) -> Any:
     """Draw the exact cycle of an axis, and the second half of simulated ``runs``.
 
     These are given by compensation.
@@ -66,24 +78,25 @@ def draw_axis(
             f"limit cycle: {cycle.peak_to_peak:.4g} rad peak to peak, period {cycle.period_s:.3g} "
             f"s, stuck {cycle.stuck_fraction:.0%}, {'stable' if cycle.stable else 'unstable'}"
         )
-    with saved_figure(path, 2, 2, figsize=(10, 6.5)) as (figure, axes):
-        (position, after), (force, plane) = axes
-        if motion is not None:
-            state = motion.state.copy()
-            state[:, PHI] -= 0.5 * (np.min(state[:, PHI]) + np.max(state[:, PHI]))
-            _draw_cycle(position, force, plane, motion._replace(state=state), PERIODS)
-        for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
-            settled = slice(len(run.time) // 2, None)
-            time, error = run.time[settled] - run.time[settled.start], run.error[settled]
-            after.plot(time, error, color=colour, label=f"compensation {name}")
-        if runs:
-            after.margins(y=0.3)
-            after.legend()
-        style_axis(position, y="exact: position [rad]")
-        style_axis(force, "time [s]", "torque [N m]")
-        style_axis(plane, "position [rad]", "speed [rad/s]")
-        style_axis(after, "time [s]", "simulated: error [rad]")
-        figure.suptitle(title)
+    figure, axes = axes_for(axes, 2, 2, figsize=(10, 6.5))
+    (position, after), (force, plane) = axes
+    if motion is not None:
+        state = motion.state.copy()
+        state[:, PHI] -= 0.5 * (np.min(state[:, PHI]) + np.max(state[:, PHI]))
+        _draw_cycle(position, force, plane, motion._replace(state=state), PERIODS)
+    for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
+        settled = slice(len(run.time) // 2, None)
+        time, error = run.time[settled] - run.time[settled.start], run.error[settled]
+        after.plot(time, error, color=colour, label=f"compensation {name}")
+    if runs:
+        after.margins(y=0.3)
+        after.legend()
+    style_axis(position, y="exact: position [rad]")
+    style_axis(force, "time [s]", "torque [N m]")
+    style_axis(plane, "position [rad]", "speed [rad/s]")
+    style_axis(after, "time [s]", "simulated: error [rad]")
+    figure.suptitle(title)
+    return axes
 
 
 def _draw_cycle(
@@ -103,15 +116,16 @@ def _draw_cycle(
     plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 
 
-def draw_branch(name: str, points: list[BranchPoint], path: Path) -> None:
+def draw_branch(name: str, points: list[BranchPoint], axes: Any = None) -> Any:
     """Draw amplitude and period along the branch: unstable cycles dashed, events marked."""
-    with saved_figure(path, len(BRANCH_SERIES), sharex=True, figsize=(8, 7)) as (_, axes):
-        for axis, (field, (label, colour)) in zip(axes, BRANCH_SERIES.items(), strict=True):
-            _draw_branch_series(axis, points, field, colour)
-            style_axis(axis, y=label)
-        axes[0].legend()
-        _label_events(axes[0], name, points)
-        axes[-1].set_xlabel(axis_label(name))
+    _, axes = axes_for(axes, len(BRANCH_SERIES), sharex=True, figsize=(8, 7))
+    for axis, (field, (label, colour)) in zip(axes, BRANCH_SERIES.items(), strict=True):
+        _draw_branch_series(axis, points, field, colour)
+        style_axis(axis, y=label)
+    axes[0].legend()
+    _label_events(axes[0], name, points)
+    axes[-1].set_xlabel(axis_label(name))
+    return axes
 
 
 def _draw_branch_series(axis: Any, points: list[BranchPoint], field: str, colour: str) -> None:

@@ -3,14 +3,13 @@
 ``control.nyquist_plot`` goes round a pole at 0 that G does not have (:mod:`furuta.transfer`).
 """
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from furuta.describing_functions.describing_function import describing_function
 from furuta.describing_functions.predicted_cycles import Prediction
-from furuta.figures.figure import FAINT_GRID, annotate, legend_outside, saved_figure, style_axis
+from furuta.figures.figure import FAINT_GRID, annotate, axes_for, legend_outside, style_axis
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.transfer import Transfer, transfer
 from furuta_model.friction.laws import ANALYSED_LAWS, FrictionLaw
@@ -30,17 +29,18 @@ COLOURS = {name: PALETTE[k % len(PALETTE)] for k, name in enumerate(ANALYSED_LAW
 LINE, NEGATIVE_AXIS, MARK = "tab:blue", "tab:red", "black"
 
 
-def draw_nyquist(cases: dict[str, IdealLoop], path: Path) -> None:
+def draw_nyquist(cases: dict[str, IdealLoop], axes: Any = None) -> Any:
     """Draw one panel per case by letter; a single one has no letter."""
     rows, columns = (1, 1) if len(cases) == 1 else (2, -(-len(cases) // 2))
     size = (7 if columns == 1 else 5.6 * columns, 5.2 * rows)
-    with saved_figure(path, rows, columns, figsize=size, squeeze=False) as (figure, axes):
-        for axis, (case, loop) in zip(axes.flat, cases.items(), strict=False):
-            _draw_panel(axis, transfer(loop.body, loop.gains))
-            letter = case if len(cases) > 1 else ""
-            axis.set_title(feedback_title(letter, loop.gains))
-        entries = axes[0, 0].get_legend_handles_labels()
-        legend_outside(figure, "lower center", *entries, ncols=4, frameon=False)
+    figure, axes = axes_for(axes, rows, columns, figsize=size, squeeze=False)
+    for axis, (case, loop) in zip(axes.flat, cases.items(), strict=False):
+        _draw_panel(axis, transfer(loop.body, loop.gains))
+        letter = case if len(cases) > 1 else ""
+        axis.set_title(feedback_title(letter, loop.gains))
+    entries = axes[0, 0].get_legend_handles_labels()
+    legend_outside(figure, "lower center", *entries, ncols=4, frameon=False)
+    return axes
 
 
 def feedback_title(case: str, feedback: tuple[float, float, float, float]) -> str:
@@ -98,14 +98,16 @@ def _mark_crossing(axis: Any, omega: float, real: float) -> None:
     annotate(axis, (real, 0), f"{where}\nG = {real:.3g}", xytext=(0, -12), ha="center", va="top")
 
 
-def draw_describing_function(loop: IdealLoop, prediction: Prediction, path: Path) -> None:
+def draw_describing_function(loop: IdealLoop, prediction: Prediction, axes: Any = None) -> Any:
     """Draw G and −1/N, which meet at a limit cycle, and N at the predicted ω."""
     g = transfer(loop.body, loop.gains)
     omega, amplitude = _centre(g, loop.law, prediction)
-    with saved_figure(path, 1, 2, figsize=(12, 5.2)) as (figure, (left, right)):
-        _draw_plane(left, g, loop.law, prediction, omega, amplitude)
-        _draw_functions(right, loop.law, omega, amplitude)
-        figure.suptitle(feedback_title("", loop.gains))
+    figure, axes = axes_for(axes, 1, 2, figsize=(12, 5.2))
+    left, right = axes
+    _draw_plane(left, g, loop.law, prediction, omega, amplitude)
+    _draw_functions(right, loop.law, omega, amplitude)
+    figure.suptitle(feedback_title("", loop.gains))
+    return axes
 
 
 def _centre(g: Transfer, law: FrictionLaw, prediction: Prediction) -> tuple[float, float]:

@@ -1,35 +1,33 @@
 """Recordings, the model's prediction of them, and the residuals."""
 
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from furuta.figures.figure import legend_outside, saved_figure, style_time_series
+from furuta.figures.figure import axes_for, legend_outside, style_time_series
 from furuta.identification.model import Prediction
 from furuta_recordings.recording import CHANNELS, UNITS
 
 
-def draw_residuals(followed: list[Prediction], others: list[Prediction], path: Path) -> None:
+def draw_residuals(followed: list[Prediction], others: list[Prediction], axes: Any = None) -> Any:
     """Draw one column per recording (``others`` were held out), each channel above its residual."""
     runs = [*followed, *others]
     channels = _measured_channels(runs)
     size = (7.0 * len(runs), 2.6 * len(channels))
     grid = {"sharex": "col", "squeeze": False, "height_ratios": [2, 1] * len(channels)}
-    with saved_figure(path, 2 * len(channels), len(runs), dpi=100, figsize=size, **grid) as (
-        figure,
-        axes,
-    ):
-        for number, (column, run) in enumerate(zip(axes.T, runs, strict=True)):
-            held_out = " (held out)" if number >= len(followed) else ""
-            column[0].set_title(run.recording.name + held_out, loc="left")
-            fits = run.fits()
-            for row, k in enumerate(channels):
-                _draw_channel(column[2 * row], column[2 * row + 1], run, k, fits[CHANNELS[k]])
-            column[-1].set_xlabel("time [s]")
-        entries = axes[0, 0].get_legend_handles_labels()
-        legend_outside(figure, "upper right", *entries, ncols=2)
-        figure.align_ylabels()
+    figure, axes = axes_for(axes, 2 * len(channels), len(runs), figsize=size, **grid)
+    for number, (column, run) in enumerate(zip(axes.T, runs, strict=True)):
+        held_out = " (held out)" if number >= len(followed) else ""
+        column[0].set_title(run.recording.name + held_out, loc="left")
+        fits = run.fits()
+        for row, k in enumerate(channels):
+            _draw_channel(column[2 * row], column[2 * row + 1], run, k, fits[CHANNELS[k]])
+        column[-1].set_xlabel("time [s]")
+    entries = axes[0, 0].get_legend_handles_labels()
+    legend_outside(figure, "upper right", *entries, ncols=2)
+    figure.align_ylabels()
+    return axes
 
 
 def _measured_channels(runs: list[Prediction]) -> list[int]:

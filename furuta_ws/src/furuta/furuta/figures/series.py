@@ -1,7 +1,6 @@
 """Series over time: a recording or simulation, and the demo's phases beside each other."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,8 @@ from furuta.figures.figure import (
     MEASURED,
     PENDULUM,
     VOLTAGE,
+    axes_for,
     legend_outside,
-    saved_figure,
     style_time_series,
 )
 from furuta.quantities import QUANTITIES
@@ -62,7 +61,7 @@ GAP = 100.0
 LARGEST = 1e100
 
 
-def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
+def draw_series(series: Mapping[str, np.ndarray], axes: Any = None) -> Any:
     """Draw the columns that exist, a row per quantity.
 
     Raises:
@@ -78,45 +77,47 @@ def draw_series(series: Mapping[str, np.ndarray], path: Path) -> None:
     drawn = {name: np.where(after_gap, np.nan, values) for name, values in series.items()}
     labels = [label for label, columns in COLUMNS.items() if columns.keys() & series.keys()]
     if not labels:
-        raise ParameterError(f"no series to draw in {path}")
+        raise ParameterError("there are no series to draw")
     shared: dict[str, Any] = {"squeeze": False, "sharex": True, "figsize": (10, 2 * len(labels))}
-    with saved_figure(path, len(labels), **shared) as (_, axes):
-        for axis, label in zip(axes[:, 0], labels, strict=True):
-            _draw_row(axis, label, time, drawn)
-            axis.set_ylabel(label)
-            if len(axis.lines) > 1:
-                axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-        axes[-1, 0].set_xlabel("time [s]")
+    _, axes = axes_for(axes, len(labels), **shared)
+    for axis, label in zip(axes[:, 0], labels, strict=True):
+        _draw_row(axis, label, time, drawn)
+        axis.set_ylabel(label)
+        if len(axis.lines) > 1:
+            axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    axes[-1, 0].set_xlabel("time [s]")
+    return axes
 
 
-def draw_demo(recorded: RecordedRun, phases: list[Phase], path: Path) -> None:
+def draw_demo(recorded: RecordedRun, phases: list[Phase], axes: Any = None) -> Any:
     """Draw one column per phase and one row per signal; a row has one scale.
 
     The friction is shown for a shorter time, so that its estimate can be told from it.
     """
     shape = (len(COLUMNS), len(phases))
-    with saved_figure(path, *shape, sharey="row", figsize=(17, 8.5)) as (figure, axes):
-        for column, phase in zip(axes.T, phases, strict=True):
-            shown = recorded.between(max(phase.start, phase.end - SHOWN), phase.end)
-            series = {
-                "true_phi_rad": shown.state[:, PHI],
-                "true_theta_rad": shown.state[:, THETA],
-                "command_v": shown.command,
-                "true_friction_v": shown.friction,
-                "friction_estimate_v": shown.friction_estimate,
-            }
-            for axis, label in zip(column, COLUMNS, strict=True):
-                _draw_row(axis, label, shown.time, series)
-            column[0].set_title(TITLES[phase.compensation])
-            column[3].set_xlim(phase.end - FRICTION_SHOWN, phase.end)
-            for axis in column[:2]:
-                axis.tick_params(labelbottom=False)
-        for axis, label in zip(axes[:, 0], COLUMNS, strict=True):
-            axis.set_ylabel(label)
-        for axis in axes[2:].flat:
-            axis.set_xlabel("time [s]")
-        entries = axes[3, 0].get_legend_handles_labels()
-        legend_outside(figure, "lower center", *entries, ncols=2)
+    figure, axes = axes_for(axes, *shape, sharey="row", figsize=(17, 8.5))
+    for column, phase in zip(axes.T, phases, strict=True):
+        shown = recorded.between(max(phase.start, phase.end - SHOWN), phase.end)
+        series = {
+            "true_phi_rad": shown.state[:, PHI],
+            "true_theta_rad": shown.state[:, THETA],
+            "command_v": shown.command,
+            "true_friction_v": shown.friction,
+            "friction_estimate_v": shown.friction_estimate,
+        }
+        for axis, label in zip(column, COLUMNS, strict=True):
+            _draw_row(axis, label, shown.time, series)
+        column[0].set_title(TITLES[phase.compensation])
+        column[3].set_xlim(phase.end - FRICTION_SHOWN, phase.end)
+        for axis in column[:2]:
+            axis.tick_params(labelbottom=False)
+    for axis, label in zip(axes[:, 0], COLUMNS, strict=True):
+        axis.set_ylabel(label)
+    for axis in axes[2:].flat:
+        axis.set_xlabel("time [s]")
+    entries = axes[3, 0].get_legend_handles_labels()
+    legend_outside(figure, "lower center", *entries, ncols=2)
+    return axes
 
 
 def _draw_row(axis: Any, label: str, time: np.ndarray, series: Mapping[str, np.ndarray]) -> None:

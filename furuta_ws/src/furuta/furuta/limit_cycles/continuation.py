@@ -30,7 +30,7 @@ PARAMETER_STEP = 1e-6  # of the finite difference, relative to the range
 
 
 class BranchPoint(NamedTuple):
-    """A cycle on the branch.
+    """A cycle on the branch; of a joint it is in the joint's units.
 
     ``event``: fold (the parameter reverses: a stable and an unstable cycle meet and disappear),
     vanishes (the amplitude goes to zero), homoclinic (the period grows without bound, because the
@@ -38,7 +38,7 @@ class BranchPoint(NamedTuple):
     """
 
     value: float
-    cycle: LimitCycle
+    cycle: Any
     event: str = ""
 
 
@@ -53,7 +53,7 @@ class Branch:
 
     def follow(self, value: float, cycle: LimitCycle) -> list[BranchPoint]:
         """The whole branch through ``cycle``, found at ``value``, in order along the curve."""
-        if cycle.kind != "oscillation":
+        if cycle.kind != "limit_cycle":
             raise ParameterError(f"there is no limit cycle at {value:g} to follow: {cycle.kind}")
         if not np.isfinite(cycle.period_s):
             raise ParameterError(
@@ -223,38 +223,18 @@ def follow_branch(
     motions = []
     for value in sorted(values.tolist(), key=lambda value: abs(value - values[STARTS // 2])):
         cycle = limit_cycle(loop_at(value))
-        if cycle.kind == "oscillation" and np.isfinite(cycle.period_s):
+        if cycle.kind == "limit_cycle" and np.isfinite(cycle.period_s):
             return branch.follow(value, cycle)
         motions.append(f"{cycle.kind} at {value:g}")
     raise ParameterError(f"no limit cycle with a finite period to follow: {', '.join(motions)}")
 
 
-def branch_report(name: str, points: list[BranchPoint]) -> dict[str, Any]:
-    """The cycles on a branch over the parameter ``name``, and its events."""
-    return {
-        "branch": [
-            {
-                name: point.value,
-                "phi_peak_to_peak_rad": point.cycle.phi_peak_to_peak_rad,
-                "period_s": point.cycle.period_s,
-                "stable": point.cycle.stable,
-            }
-            for point in points
-        ],
-        "events": [
-            {
-                "event": point.event,
-                name: fold_value(points, i) if point.event == "fold" else point.value,
-            }
-            for i, point in enumerate(points)
-            if point.event
-        ],
-    }
+def fold_value(branch: list[BranchPoint], index: int, size: str) -> float:
+    """The parameter at a fold: the vertex of the parabola through its three points.
 
-
-def fold_value(branch: list[BranchPoint], index: int) -> float:
-    """The parameter at a fold: the vertex of the parabola through its three points."""
+    ``size`` is the field of a cycle that measures it.
+    """
     three = branch[index - 1 : index + 2]
-    sizes = [point.cycle.phi_peak_to_peak_rad for point in three]
+    sizes = [getattr(point.cycle, size) for point in three]
     a, b, c = np.polyfit(sizes, [point.value for point in three], 2)
     return float(c - b * b / (4 * a))

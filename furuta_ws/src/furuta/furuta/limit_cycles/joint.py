@@ -120,13 +120,6 @@ class JointCycle(NamedTuple):
         """Whether disturbances decay."""
         return self.scaled is not None and self.scaled.stable
 
-    def report(self) -> dict[str, Any]:
-        """Everything by name, multipliers as real and imaginary part."""
-        fields = self._asdict()
-        del fields["scaled"], fields["start"]
-        multipliers = [[m.real, m.imag] for m in self.floquet_multipliers]
-        return {**fields, "floquet_multipliers": multipliers, "stable": self.stable}
-
 
 def matrices(system: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A (n, n), b (n,) and c (n,) of ẋ = A x + b f, v = c x with force f and speed v of the joint.
@@ -282,7 +275,7 @@ def final_motion(given: Joint, y: np.ndarray) -> JointCycle:
 
 def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
     units = given.units
-    kind = {"oscillation": "limit_cycle"}.get(cycle.kind, cycle.kind)
+    kind = cycle.kind
     start: tuple[float, ...] = ()
     if cycle.point:
         scaled = np.array(cycle.point[1:-1])
@@ -347,7 +340,7 @@ def branch(
     high: float,
     value: float,
     start: np.ndarray | None = None,
-) -> list[tuple[float, JointCycle, str]]:
+) -> tuple[JointCycle, list[continuation.BranchPoint]]:
     """The branch of cycles over a parameter, through the cycle at ``value``.
 
     Args:
@@ -359,8 +352,7 @@ def branch(
             :meth:`Joint.state`.
 
     Returns:
-        Value, cycle and event (:class:`~furuta.limit_cycles.continuation.BranchPoint`), in order
-        along the branch. Cycles with a multiplier beyond 1 are unstable.
+        The cycle at ``value``, and the points of the branch in order along it.
 
     Raises:
         ParameterError: The final motion at ``value`` is no cycle, or a loop is not possible.
@@ -369,4 +361,5 @@ def branch(
     cycle = limit_cycle(here.loop, here.state(start))
     found = continuation.Branch(lambda value: joint_at(value).in_units(here.units).loop, low, high)
     points = found.follow(value, cycle)
-    return [(point.value, _with_units(here, point.cycle), point.event) for point in points]
+    in_units = [point._replace(cycle=_with_units(here, point.cycle)) for point in points]
+    return _with_units(here, cycle), in_units

@@ -250,7 +250,7 @@ class _Search:
         v = float(y[PHI_DOT])
         growth = rotation_growth(v, loop.body, loop.gains, loop.law, loop.linear)
         if growth < 0.0 or self._windows > WINDOWS:
-            return LimitCycle("rotation", rotation_rate_rad_s=v, growth_rate_1_s=growth)
+            return LimitCycle("steady", rotation_rate_rad_s=v, growth_rate_1_s=growth)
         self._y = y.copy()
         self._y[THETA] += DISTURBANCE
         return None
@@ -297,7 +297,7 @@ def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
     high = np.max([excursion.high for excursion in excursions], axis=0)
     phi, theta = (float(size) for size in high - low)
     return LimitCycle(
-        "oscillation",
+        "limit_cycle",
         phi,
         theta,
         float("inf"),

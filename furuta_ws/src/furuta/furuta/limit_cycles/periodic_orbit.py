@@ -9,7 +9,7 @@ A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. I
 multipliers are the eigenvalues of dP/ds.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -139,7 +139,7 @@ class Section:
 
 
 class LimitCycle(NamedTuple):
-    """Final motion of a loop (``kind``: oscillation, rotation, rest, unbounded, irregular).
+    """Final motion of a loop (``kind``: limit_cycle, steady, rest, unbounded, irregular).
 
     ``stuck_fraction`` is the part of the period in which the arm sticks, ``floquet_multipliers``
     the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
@@ -180,16 +180,9 @@ class LimitCycle(NamedTuple):
         A motion with an infinite period is stable. Its growth rate is that of the rest which it
         leaves by a disturbance and to which it comes back: it ends the pause, not the motion.
         """
-        if self.kind in ("rest", "rotation"):
+        if self.kind in ("rest", "steady"):
             return self.growth_rate_1_s <= 0.0
-        return self.kind == "oscillation" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
-
-    def report(self) -> dict[str, Any]:
-        """Everything by name, except the section point; multipliers as real and imaginary part."""
-        fields = self._asdict()
-        del fields["point"], fields["smallest_slide"], fields["side"]
-        multipliers = [[m.real, m.imag] for m in self.floquet_multipliers]
-        return {**fields, "floquet_multipliers": multipliers, "stable": self.stable}
+        return self.kind == "limit_cycle" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
 
 
 def periodic_orbit(
@@ -231,7 +224,7 @@ def limit_cycle_through(
     if jacobian is None or phi < REST:
         return None
     return LimitCycle(
-        "oscillation",
+        "limit_cycle",
         phi,
         float(sizes[THETA]),
         end.time,

@@ -57,7 +57,7 @@ def slip_cycle(loop: LinearLoop, y: np.ndarray) -> LimitCycle | None:
         if np.linalg.norm(correction) < TOLERANCE * size:
             multipliers = sorted(np.linalg.eigvals(flow), key=lambda m: abs(m - 1.0))[1:]
             return LimitCycle(
-                "oscillation",
+                "limit_cycle",
                 float(extent[HIGH, PHI] - extent[LOW, PHI]),
                 float(extent[HIGH, THETA] - extent[LOW, THETA]),
                 period,

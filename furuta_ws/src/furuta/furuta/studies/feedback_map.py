@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from math import nan
 from typing import Any, NamedTuple
 
 from furuta.describing_functions.predicted_cycles import predict_cycles
@@ -12,6 +13,7 @@ from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.transfer import transfer
 from furuta_model.parameters import ParameterError
 
+IMPOSSIBLE = "impossible"
 # What a row of the map says about a cycle.
 SHOWN = (
     *("kind", "phi_peak_to_peak_rad", "theta_peak_to_peak_rad", "period_s"),
@@ -20,7 +22,7 @@ SHOWN = (
 
 
 class MapPoint(NamedTuple):
-    """Exact motion at one pair of parameter values, IMPOSSIBLE if the values are rejected.
+    """Exact motion at one pair of parameter values, None if the values are rejected.
 
     ``predicted_phi_peak_to_peak_rad`` is the largest stable cycle that the describing
     function predicts, 0 for none.
@@ -28,20 +30,22 @@ class MapPoint(NamedTuple):
 
     first: float
     second: float
-    cycle: LimitCycle
+    cycle: LimitCycle | None
     predicted_phi_peak_to_peak_rad: float = 0.0
+
+    @property
+    def kind(self) -> str:
+        """The kind of motion, or impossible."""
+        return self.cycle.kind if self.cycle else IMPOSSIBLE
 
     def row(self, first: str, second: str) -> dict[str, Any]:
         """The point by name; ``first`` and ``second`` are the names of its parameters."""
         return {
             first: float(self.first),
             second: float(self.second),
-            **{name: getattr(self.cycle, name) for name in SHOWN},
+            **{name: getattr(self, name, getattr(self.cycle, name, nan)) for name in SHOWN},
             "predicted_phi_peak_to_peak_rad": self.predicted_phi_peak_to_peak_rad,
         }
-
-
-IMPOSSIBLE = LimitCycle("impossible")
 
 
 def map_feedbacks(
@@ -68,7 +72,7 @@ def map_feedbacks(
             )
         except ParameterError as error:
             reasons[pair] = str(error)
-            return MapPoint(*pair, IMPOSSIBLE)
+            return MapPoint(*pair, None)
 
     reasons: dict[tuple[float, float], str] = {}
     with ThreadPoolExecutor(available_cores()) as pool:

@@ -11,7 +11,7 @@ from furuta.lanes.batch import batch, outcomes
 from furuta.outcomes import Outcome
 from furuta.settings.parameter_names import parameters_named
 from furuta.settings.settings import Settings, loop_with
-from furuta.studies.analysis_options import parse_range
+from furuta.studies.ranges import parse_range
 from furuta_model.accepted_parts import accept_parts, accepted_parts
 from furuta_model.parameters import ParameterError, names_part
 from furuta_ros.errors import UserError

@@ -56,7 +56,7 @@ def described_cycle(loop: IdealLoop) -> dict[str, Any] | None:
     """
     try:
         cycle = limit_cycle(loop)
-        if cycle.kind != "oscillation" or not np.isfinite(cycle.period_s):
+        if cycle.kind != "limit_cycle" or not np.isfinite(cycle.period_s):
             return None
         predicted = predict_cycles(transfer(loop.body, loop.gains), loop.law).cycles
     except ParameterError:

@@ -5,9 +5,9 @@ from typing import Any
 
 import click
 
-from furuta_bringup.option_types import FIGURE_SUFFIXES, PATH, SERIES_OR_FIGURE, FiniteRange
-from furuta_bringup.options import HelpfulGroup, json_option, names_options, option
-from furuta_bringup.printing import show
+from furuta_bringup.option_types import PATH, SERIES, FiniteRange
+from furuta_bringup.options import HelpfulGroup, figure_option, json_option, names_options, option
+from furuta_bringup.printing import draw, show
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
@@ -44,35 +44,30 @@ def info(bag: Path, as_json: bool) -> None:
 
 @command.command()
 @click.argument("bag", type=PATH, metavar="BAG|FILE")
-@option(
-    "--out",
-    type=SERIES_OR_FIGURE,
-    required=True,
-    metavar="FILE",
-    help="Table (.csv, .parquet, .mat, .npz) or picture (.png, .pdf, .svg) to write.",
-)
+@option("--out", type=SERIES, metavar="FILE", help="Table to write (.csv, .parquet, .mat, .npz).")
+@figure_option("Draw the series over time.")
 @names_options
 @json_option
-def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
+def export(bag: Path, out: Path | None, figure: Path | None, names: Mapping, as_json: bool) -> None:
     """Write BAG as a table, one row per measurement, or draw it.
 
     FILE is a table of series instead, such as one of simulate --out. docs/topics.md lists the
     columns.
     """
     from furuta.recordings import series_with_findings
-    from furuta_recordings.series_columns import TIME
 
+    if out is None and figure is None:
+        raise click.UsageError("give --out FILE or --figure FILE")
     series, findings = series_with_findings(bag, names)
-    if out.suffix.lower() in FIGURE_SUFFIXES:
-        from furuta.figures.series import draw_series
-
-        draw_series(series, out)
-    else:
-        from furuta_recordings.table_files import write_columns
-
-        write_columns(out, series)
-    result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
-    show(result | {"findings": findings}, as_json)
+    files = {}
+    if out is not None:
+        series.write(out)
+        files["file"] = str(out)
+    if figure is not None:
+        draw(series, figure)
+        files["figure"] = str(figure)
+    about = {"rows": series.rows, "columns": list(series), "findings": findings}
+    show(files | about, as_json)
 
 
 @command.command()

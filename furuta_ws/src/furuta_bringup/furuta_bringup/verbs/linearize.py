@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta_bringup.option_types import FIGURE
-from furuta_bringup.options import feedback_option, json_option, model_options, option
+from furuta_bringup.options import (
+    feedback_option,
+    figure_option,
+    json_option,
+    model_options,
+    option,
+)
 from furuta_bringup.printing import show
 from furuta_model.parameters import ParameterError
-
-if TYPE_CHECKING:
-    from furuta.limit_cycles.pendulum_loop import IdealLoop
-    from furuta_sim.simulation.closed_loop import Loop
-
-# Name of the loop with the controller's or the given feedback, beside those of Fig. 4.
-GIVEN = "given"
 
 
 @click.command()
 @option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
 @option("--figure-4", is_flag=True, help="Nyquist plot of the four feedbacks of Fig. 4.")
 @option("--passivity", is_flag=True, help="Condition under which the LuGre observer converges.")
-@option("--out", type=FIGURE, help="Draw the Nyquist plot.")
+@figure_option("Draw the Nyquist plot.")
 @feedback_option
 @model_options
 @json_option
@@ -32,7 +29,7 @@ def command(
     nyquist: bool,
     figure_4: bool,
     passivity: bool,
-    out: Path | None,
+    figure: Path | None,
     feedback: tuple[float, float, float, float] | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
@@ -49,49 +46,17 @@ def command(
     --passivity depends on the plant's model and friction, on the feedback, and on the observer's
     gain K.
     """
-    from furuta.margins import linear_report, nyquist_report
-    from furuta.settings.settings import (
-        law_and_feedback,
-        load_settings,
-        loop,
-        require_agreement,
-    )
-    from furuta.studies.analysis_options import AnalysisOptions
+    from furuta import linear_model, make_loop
+    from furuta.settings.settings import law_and_feedback, require_agreement
 
-    nyquist = nyquist or figure_4
     if figure_4 and feedback is not None:
         raise ParameterError("--figure-4 cannot be combined with --feedback")
-    if out is not None and not nyquist:
-        raise click.UsageError("--out needs --nyquist or --figure-4")
     require_agreement(assignments, law_and_feedback(None, feedback))
-    settings = load_settings(files, assignments)
-    nominal = loop(settings)
-    report = linear_report(nominal, feedback)
-    options = AnalysisOptions(settings, "lugre", feedback)
-    if nyquist:
-        from furuta.transfer import FIGURE_4
-
-        ideal = options.ideal_loop()
-        feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains}
-        cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
-        if out is not None:
-            from furuta.figures.nyquist import draw_nyquist
-
-            draw_nyquist(cases, out)
-        report |= nyquist_report(cases)
-    if passivity:
-        report |= _passivity(options.ideal_loop(), nominal)
-    show(report, as_json)
-
-
-def _passivity(ideal: IdealLoop, nominal: Loop) -> dict[str, Any]:
-    from furuta.passivity import observer_passivity
-
-    gain = nominal.observer.observer_gain
-    result = observer_passivity(ideal, gain)
-    exact = (
-        nominal.observer.friction == nominal.plant.friction.parameters
-        and nominal.controller.model == nominal.plant.model
+    model = linear_model(
+        make_loop(assignments, files=files),
+        feedback=feedback,
+        nyquist=nyquist or figure is not None,
+        figure_4=figure_4,
+        passivity=passivity,
     )
-    report = {**result._asdict(), "K": gain, "exact_model": exact}
-    return {"passive": result.satisfied, "passivity": report}
+    show(model, as_json, figure)

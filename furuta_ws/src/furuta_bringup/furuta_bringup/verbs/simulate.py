@@ -2,23 +2,21 @@
 
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import click
 
-from furuta_bringup.option_types import SERIES_OR_FIGURE
+from furuta_bringup.option_types import SERIES
 from furuta_bringup.options import (
     SEED,
     SIMULATED_SECONDS,
     feedback_option,
+    figure_option,
     json_option,
     law_option,
     model_options,
     option,
 )
-from furuta_bringup.printing import show, with_progress
-from furuta_recordings.suffixes import SUFFIXES
-from furuta_ros.whole_files import whole_file
+from furuta_bringup.printing import bar, show
 
 # A run up to this time [s] takes a fraction of a second, too short for a bar.
 SECONDS = 60.0
@@ -39,12 +37,8 @@ SECONDS = 60.0
 @law_option
 @feedback_option
 @option("--seed", type=SEED, help="Seed of the sensors' noise.")
-@option(
-    "--out",
-    type=SERIES_OR_FIGURE,
-    metavar="FILE",
-    help="Write the time series (.npz, .csv, .mat, .parquet), or draw them (.png, .pdf, .svg).",
-)
+@option("--out", type=SERIES, metavar="FILE", help="Write the series (.npz, .csv, .mat, .parquet).")
+@figure_option("Draw the series over time.")
 @model_options
 @json_option
 def command(
@@ -55,19 +49,15 @@ def command(
     feedback: tuple[float, float, float, float] | None,
     seed: int | None,
     out: Path | None,
+    figure: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
     """Simulate the closed loop without ROS and measure the oscillation in the second half."""
-    from furuta.settings.settings import (
-        law_and_feedback,
-        load_settings,
-        loop,
-        require_agreement,
-    )
+    from furuta import make_loop, simulate
+    from furuta.settings.settings import law_and_feedback, require_agreement
     from furuta_model.state import LARGEST_VALUE
-    from furuta_sim.simulation.closed_loop import Simulation
 
     first, options = [], law_and_feedback(law, feedback)
     if compensation is not None:
@@ -80,51 +70,11 @@ def command(
     if seed is not None:
         options["--seed"] = f"plant.seed={seed}"
     require_agreement(assignments, options)
-    settings = load_settings(files, [*first, *assignments, *options.values()])
-    simulation = Simulation(loop(settings))
+    loop = make_loop([*first, *assignments, *options.values()], files=files)
     quiet = as_json or seconds <= SECONDS
     began = perf_counter()
-    record = simulation.run(
-        seconds, lambda blocks: with_progress("simulating", blocks, len(blocks), quiet)
-    )
-    wall = perf_counter() - began
-    result = _result(record, wall)
+    run = simulate(loop, seconds, progress=bar("simulating", quiet))
+    wall_seconds = perf_counter() - began
     if out is not None:
-        _save(record, out, simulation.loop.plant.actuator)
-    show(result, as_json)
-
-
-def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
-    from furuta.oscillation import fell, measure_oscillation
-
-    settled = record.state[len(record.command) // 2 :]
-    return {
-        **measure_oscillation(settled, record.sample_time)._asdict(),
-        "fell": fell(record.state),
-        "steps": len(record.command),
-        "wall_seconds": wall_seconds,
-    }
-
-
-def _save(record: Any, out: Path, actuator: Any) -> None:
-    suffix = out.suffix.lower()
-    if suffix == ".npz":
-        import numpy as np
-
-        from furuta_recordings.table_files import write_npz
-
-        fields = {name: value for name, value in record._asdict().items() if name != "sample_time"}
-        with whole_file(out) as new:
-            write_npz(new, {"time": record.time, "drive": np.array(actuator), **fields})
-        return
-    from furuta.recordings import simulated_series
-
-    series = simulated_series(record)
-    if suffix in SUFFIXES:
-        from furuta_recordings.table_files import write_columns
-
-        write_columns(out, series)
-    else:
-        from furuta.figures.series import draw_series
-
-        draw_series(series, out)
+        run.write(out)
+    show(run, as_json, figure, wall_seconds=wall_seconds)

@@ -4,7 +4,6 @@ One sample: sensors → estimator → friction observer → controller → actua
 a few calls of compiled code, which releases the interpreter lock.
 """
 
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, NamedTuple
 
@@ -17,6 +16,7 @@ from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.parameters import ParameterError, declared, values
 from furuta_model.parts.plant_memory import PlantMemory
+from furuta_model.progress import Progress, unseen
 from furuta_model.state import APPLIED_TORQUE, RIGID_STATES, SIGNALS
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import (
@@ -158,26 +158,22 @@ class Simulation:
         """Number of samples in ``seconds``, at least one."""
         return max(1, round(seconds / self.loop.plant.sample_time))
 
-    def run(
-        self, seconds: float, shown: Callable[[range], Iterable[int]] = lambda blocks: blocks
-    ) -> Record:
-        """Continue for ``seconds``, at least one sample, and keep the series.
-
-        ``shown`` may show how far it is: it gets the first samples of the blocks, and yields them.
-        """
+    def run(self, seconds: float, progress: Progress = unseen) -> Record:
+        """Continue for ``seconds``, at least one sample, and keep the series."""
         dt, samples = self.loop.plant.sample_time, self.samples(seconds)
         record, size = _empty_record(dt, samples), self.samples(BLOCK_SECONDS)
-        for first in shown(range(0, samples, size)):
+        blocks = range(0, samples, size)
+        for first in progress(blocks, len(blocks)):
             block = Record(dt, *(series[first : first + size] for series in record[1:]))
             _run(self.memory, self.noise, self.plant, self.control_system, block)
         return record
 
 
-def simulate(loop: Loop, seconds: float) -> Record:
+def simulate(loop: Loop, seconds: float, progress: Progress = unseen) -> Record:
     """Run the loop for ``seconds`` from the plant's initial state and keep its series."""
     simulation = Simulation(loop)
     simulation.control_system = that_stays(simulation.control_system)
-    return simulation.run(seconds)
+    return simulation.run(seconds, progress)
 
 
 def _empty_record(sample_time: float, samples: int) -> Record:

@@ -1,0 +1,142 @@
+"""Simulated runs and what is measured of them."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from furuta.oscillation import measure_oscillation
+from furuta.outcomes import Outcome as Measured
+from furuta.results.result import Found, plain
+from furuta.results.table import Series
+from furuta.results.text import angle
+from furuta_model.state import RIGID_STATES, THETA
+from furuta_recordings.series_columns import (
+    COMMAND,
+    ESTIMATED,
+    FRICTION_ESTIMATE,
+    MEASURED,
+    TIME,
+    TRUE,
+    by_name,
+    known,
+)
+from furuta_recordings.table_files import write_npz
+from furuta_ros.whole_files import whole_file
+from furuta_sim.simulation.closed_loop import Loop, Record
+
+
+def swing_sentence(peak_to_peak: float, period: float, stuck: float) -> str:
+    """How the arm swings: peak to peak [rad], period [s], part of the time in which it sticks."""
+    if np.isnan(period):
+        return f"The arm moves by {angle(peak_to_peak)}, without a period."
+    sticks = f"; it sticks {stuck:.0%} of the time" if stuck else ""
+    return f"The arm swings by {angle(peak_to_peak)} every {period:.3g} s{sticks}."
+
+
+class Outcome(Found):
+    """What was measured of a run in its settled part; ``fell`` refers to the whole run.
+
+    Fields: ``phi_peak_to_peak_rad``, ``theta_peak_to_peak_rad``, ``period_s`` (NaN without one),
+    ``stuck_fraction``, ``phi_rms_rad``, ``command_rms_v``, ``command_step_v``,
+    ``command_high_frequency_v``, ``friction_error_rms_v``, ``fell``, ``steps``.
+    """
+
+    found: Measured
+    details = frozenset({"steps"})
+
+    def sentence(self) -> str:
+        """How the arm swings."""
+        if self.found.fell:
+            return "The pendulum fell. The other values mean nothing."
+        return swing_sentence(*self.found[:1], *self.found[2:4])
+
+
+class Run(Found):
+    """Series of a simulation, one row per sample of ``sample_time`` [s].
+
+    Fields: ``time`` (n,) [s], ``state`` (n, 4) true x, ``estimate`` (n, 5) of x and of the friction
+    [V], ``friction`` (n,) true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V],
+    ``measurement`` (n, 5) of x, NaN where there is no sensor, and of the torque applied [V].
+    """
+
+    found: Record
+    details = frozenset({"steps"})
+
+    def __init__(self, found: Record, loop: Loop) -> None:
+        super().__init__(found)
+        self.loop = loop
+
+    @cached_property
+    def _oscillation(self) -> dict[str, Any]:
+        """What is measured in the second half."""
+        record = self.found
+        settled = slice(len(record.command) // 2, None)
+        measured = measure_oscillation(record.state[settled], record.sample_time)._asdict()
+        if not np.any(record.friction):
+            measured["stuck_fraction"] = float("nan")  # nothing holds the arm
+        return plain(measured)  # type: ignore[no-any-return]
+
+    @cached_property
+    def fell_at(self) -> float:
+        """When the pendulum was first below the horizontal [s]; NaN if never."""
+        below = np.flatnonzero(np.abs(self.found.state[:, THETA]) > 0.5 * np.pi)
+        return float(below[0]) * self.found.sample_time if len(below) else float("nan")
+
+    def to_dict(self) -> dict[str, Any]:
+        """What is measured in the second half: peak to peak, period, and whether it fell."""
+        fell = not np.isnan(self.fell_at)
+        return {**self._oscillation, "fell": fell, "steps": len(self.found.command)}
+
+    def sentence(self) -> str:
+        """How the arm swings in the second half, or when the pendulum fell."""
+        if not np.isnan(self.fell_at):
+            return f"The pendulum fell after {self.fell_at:.3g} s. The other values mean nothing."
+        swing, stuck = self._oscillation, self._oscillation["stuck_fraction"]
+        return swing_sentence(
+            swing["phi_peak_to_peak_rad"], swing["period_s"], 0.0 if np.isnan(stuck) else stuck
+        )
+
+    def series(self) -> Series:
+        """The series as columns (n,), each with its unit in its name."""
+        return simulated_series(self.found)
+
+    def write(self, path: str | Path) -> None:
+        """Write the series; the suffix determines the format.
+
+        Args:
+            path: A file that ends in .csv, .parquet or .mat, with the columns of :meth:`series`; or
+                in .npz, with the arrays of the run and its drive.
+
+        Raises:
+            ParameterError: The suffix is another one, or Parquet is not installed.
+        """
+        path = Path(path)
+        if path.suffix.lower() != ".npz":
+            self.series().write(path)
+            return
+        record, drive = self.found, np.array(self.loop.plant.actuator)
+        fields = {name: each for name, each in record._asdict().items() if name != "sample_time"}
+        with whole_file(path) as new:
+            write_npz(new, {"time": record.time, "drive": drive, **fields})
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the series over time; see :meth:`Result.plot`."""
+        return self.series().plot(axes)
+
+
+def simulated_series(record: Record) -> Series:
+    """The series of a simulation as columns."""
+    return Series(
+        {
+            TIME: record.time,
+            **known(by_name(MEASURED, record.measurement)),
+            **by_name(ESTIMATED, record.estimate[:, :RIGID_STATES]),
+            FRICTION_ESTIMATE: record.friction_estimate,
+            COMMAND: record.command,
+            **by_name(TRUE, np.column_stack([record.state, record.friction])),
+        }
+    )

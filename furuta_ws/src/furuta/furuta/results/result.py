@@ -1,0 +1,90 @@
+"""What every result can do: be a dictionary, be read, be drawn."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from textwrap import fill
+from typing import Any, ClassVar
+
+import numpy as np
+
+from furuta.results.text import WIDTH, values_text
+
+
+class Result(ABC):
+    """What a study found.
+
+    It prints as :meth:`report`. The names of :meth:`to_dict` are those of ``--json`` on the command
+    line; a name ends in the unit of its value, or ``units`` has it. Angles are in rad.
+    """
+
+    # Names of values that a person does not need to see.
+    details: ClassVar[frozenset[str]] = frozenset()
+
+    @abstractmethod
+    def to_dict(self) -> dict[str, Any]:
+        """Everything by name, as numbers, text, lists and dictionaries."""
+
+    def sentence(self) -> str:
+        """What was found, in words."""
+        return ""
+
+    def report(self) -> str:
+        """What was found: a sentence, then a table of at most 80 columns."""
+        shown = {name: each for name, each in self.to_dict().items() if name not in self.details}
+        return "\n\n".join(filter(None, (fill(self.sentence(), WIDTH), self.table(shown))))
+
+    def table(self, values: Mapping[str, Any]) -> str:
+        """The values as lines of text."""
+        return values_text(values)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw it.
+
+        Args:
+            axes: Axes of matplotlib to draw on, as many as a figure of it has; by default those of
+                a new figure.
+
+        Returns:
+            The axes, one or an array of them. ``numpy.ravel(axes)[0].figure`` is their figure.
+
+        Raises:
+            ParameterError: There is nothing to draw, or it needs another number of axes.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no figure")
+
+    def __repr__(self) -> str:
+        return self.report()
+
+
+class Found(Result):
+    """A result with the fields of what an engine found."""
+
+    def __init__(self, found: Any) -> None:
+        self.found = found
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "found" or name.startswith("__"):  # while it is copied or pickled
+            raise AttributeError(name)
+        return getattr(self.found, name)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *dir(self.found)})
+
+    def to_dict(self) -> dict[str, Any]:
+        """The fields of what was found."""
+        return {name: plain(value) for name, value in self.found._asdict().items()}
+
+
+def plain(value: Any) -> Any:
+    """The value without numpy and named tuples; a complex number as real and imaginary part."""
+    if hasattr(value, "_asdict"):
+        value = value._asdict()
+    if isinstance(value, Mapping):
+        return {name: plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist())
+    return [value.real, value.imag] if isinstance(value, complex) else value

@@ -1,0 +1,70 @@
+"""Tables: columns (n,) by name, which pandas takes in one call."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from furuta.results.result import Result, plain
+from furuta.results.text import table_text
+from furuta_recordings.table_files import write_columns
+
+# Rows of a table that are printed.
+SHOWN = 10
+
+
+class Table(dict[str, np.ndarray], Result):
+    """Columns (n,) by name, in which NaN is no value. The name of a column ends in its unit.
+
+    ``pandas.DataFrame(table)`` makes a data frame of it.
+    """
+
+    __repr__ = Result.__repr__
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self.values()), ()))
+
+    def row(self, number: int) -> dict[str, Any]:
+        """A row by the names of the columns."""
+        return {name: plain(column[number]) for name, column in self.items()}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The columns as lists."""
+        return {name: plain(column) for name, column in self.items()}
+
+    def sentence(self) -> str:
+        """How large the table is."""
+        return f"{self.rows} rows, {len(self)} columns"
+
+    def report(self) -> str:
+        """The size and the first rows."""
+        first = table_text(
+            [self.row(k) for k in range(min(SHOWN, self.rows))], {name: name for name in self}
+        )
+        return f"{self.sentence()}\n\n{first}{chr(10) + '...' if self.rows > SHOWN else ''}"
+
+    def write(self, path: str | Path) -> None:
+        """Write the columns to a file, whose suffix determines its format.
+
+        Args:
+            path: A file that ends in .csv, .parquet, .mat (MATLAB) or .npz; it is replaced.
+
+        Raises:
+            ParameterError: The suffix is another one, Parquet is not installed, or the columns have
+                different lengths.
+        """
+        write_columns(Path(path), self)
+
+
+class Series(Table):
+    """Series over time; ``furuta_recordings.series_columns`` says what each column is."""
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the quantities that exist over time; see :meth:`Result.plot`."""
+        from furuta.figures.series import draw_series
+
+        return draw_series(self, axes)
