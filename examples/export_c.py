@@ -24,12 +24,9 @@ double step(const loop_reading *reading) {
     return command.voltage;
 }
 """
-settings = {"compensation": "lugre", "omega1": 8.0}
-run = furuta.simulate(furuta.make_loop(settings), 5.0)
-
-options = [f"--set={name}={value}" for name, value in settings.items()]
-export = ["furuta", "export", "c", *options, "--out", FOLDER]
-subprocess.run(export, check=True, stdout=subprocess.DEVNULL)
+loop = furuta.make_loop({"compensation": "lugre", "omega1": 8.0})
+run = furuta.simulate(loop, 5.0)
+furuta.export_c(loop, FOLDER)
 (FOLDER / "step.c").write_text(STEP)
 flags = ["-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC"]
 subprocess.run(["cc", *flags, "-o", "loop.so", "step.c", "loop.c", "-lm"], cwd=FOLDER, check=True)

@@ -18,7 +18,7 @@ figure, axes = plt.subplots(1, 5, figsize=(13, 3.4), sharex=True, sharey=True, l
 for axis, law in zip(axes, LAWS, strict=True):
     loop = furuta.make_loop({"friction.law": law})
     cycle = furuta.limit_cycle(loop)
-    motion = furuta.trace_cycle(loop, cycle)
+    motion = cycle.trace()
     axis.plot(motion.state[:, 1], motion.friction, color=QUANTITIES["friction"].light)
     axis.set(title=law, xlabel="arm speed v [rad/s]", xlim=(-0.3, 0.3))
     axis.grid(alpha=0.3)

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import furuta
+from furuta.results import Series
 
 TRUE = {"plant.friction.alpha0": 0.25, "plant.friction.viscous": 0.02}
 EXCITATION = {"kind": "multisine", "amplitude": 1.0, "period": 4.0}
@@ -21,13 +22,13 @@ if sys.argv[1:]:
     recording, zero = furuta.read_recording(sys.argv[1]), "auto"
 else:
     rig = furuta.make_loop(TRUE | {f"excitation.{name}": each for name, each in EXCITATION.items()})
-    series = furuta.simulated_series(furuta.simulate(rig, 8.0))
+    series = furuta.simulate(rig, 8.0).series()
     log = Path("output/examples/log.csv")
     log.parent.mkdir(parents=True, exist_ok=True)
-    furuta.write_series(log, {name: series[name] for name in COLUMNS})
+    Series({name: series[name] for name in COLUMNS}).write(log)
     recording, zero = furuta.read_recording(log), "upright"
 
-found = furuta.identified_values(furuta.identify(recording, zero=zero))
+found = furuta.identify(recording, zero=zero).to_dict()
 for name in ("alpha", "beta", "gamma", "delta", "coulomb", "viscous"):
     print(f"{name} {found[name]:.5f} ± {found['standard_errors'][name]:.5f}")
 

@@ -18,7 +18,7 @@ figure, axes = plt.subplots(3, 2, figsize=(10, 7), sharex=True, sharey="row", la
 for column, (asymmetry, title) in zip(axes.T, TITLES.items(), strict=True):
     loop = furuta.make_loop({"plant.friction.asymmetry": asymmetry})
     rig, cycle = furuta.simulate(loop, 40.0), furuta.limit_cycle(loop)
-    exact = furuta.trace_cycle(loop, cycle)  # from the largest φ on
+    exact = cycle.trace()  # from the largest φ on
     settled = rig.time > 40.0 - 5.0 * cycle.period_s
     time, arm = rig.time[settled], rig.state[settled, 0]
     time = time - time[np.argmax(arm)]

@@ -22,7 +22,8 @@ FEEDBACKS = {  # l for (φ, φ̇, θ, θ̇) [V/rad, V s/rad, V/rad, V s/rad]
 omega = np.geomspace(1e-2, 1e4, 4000)
 figure, axes = plt.subplots(2, 2, figsize=(9, 7.5), layout="constrained")
 for axis, (title, feedback) in zip(axes.flat, FEEDBACKS.items(), strict=True):
-    loop = furuta.ideal_loop(law="coulomb", feedback=feedback)
+    gain = [-each for each in feedback]  # of u = −L·x
+    loop = furuta.make_loop({"gain": gain, "plant.friction.law": "coulomb"})
     g = furuta.linearize(loop)[1, 0]  # from −F to φ̇
     curve = g(1j * omega)
     size = np.abs(curve.real).max()
@@ -42,8 +43,8 @@ Path("output/examples").mkdir(parents=True, exist_ok=True)
 figure.savefig("output/examples/nyquist.png", dpi=110)
 
 # prints
-# a) u = 60θ + 20θ̇ + 10φ + 4φ̇: oscillation
+# a) u = 60θ + 20θ̇ + 10φ + 4φ̇: limit_cycle
 #    meets −1/N at 3.057 rad/s, G = -1.714 rad/(s V)
 # b) u = 60θ + 20θ̇: unbounded
-# c) u = 60θ + 20θ̇ + φ̇: rotation
-# d) u = 60θ + 20θ̇ + 7φ̇: rotation
+# c) u = 60θ + 20θ̇ + φ̇: steady
+# d) u = 60θ + 20θ̇ + 7φ̇: steady

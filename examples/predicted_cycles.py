@@ -14,10 +14,11 @@ AMPLITUDES = np.linspace(0.3, 3.0, 20)  # of the arm's speed [rad/s]
 OMEGA = np.geomspace(1.0, 10.0, 50)  # [rad/s]
 
 for name in ("coulomb", "stribeck", "lugre"):
-    loop = furuta.ideal_loop(law=name)
+    loop = furuta.make_loop({"plant.friction.law": name})
     g = furuta.linearize(loop)["phi_dot", "torque"]  # equation (10)
     (predicted,) = furuta.predict_cycles(loop).cycles
-    friction = furuta.friction_nonlinearity(loop.law, predicted.omega_rad_s)
+    law = furuta.friction_law(name)
+    friction = furuta.friction_nonlinearity(law, predicted.omega_rad_s)
     for amplitude, omega in control.describing_function_response(g, friction, AMPLITUDES, OMEGA):
         exact = furuta.limit_cycle(loop)
         print(

@@ -31,7 +31,7 @@ from page_designs import (
 )
 from page_translation import Page, selected, translated
 
-import furuta
+from furuta.loops import ideal_loop
 from furuta.quantities import QUANTITIES
 from furuta_bringup.page.exact_cycle import described_cycle
 from furuta_hw.emulator.firmware_compiler import run_compiler
@@ -187,7 +187,7 @@ def cycles() -> dict[str, Any]:
     wanted = {(f"{level:g}", "1") for level in LEVELS} | {("1", pole) for pole in poles}
     found = {}
     for level, pole in sorted(wanted):
-        loop = furuta.ideal_loop(loop_of({**levels[level], **poles[pole]}))
+        loop = ideal_loop(loop_of({**levels[level], **poles[pole]}))
         if cycle := described_cycle(loop):
             found[f"{level} {pole}"] = cycle
     return found

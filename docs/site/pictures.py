@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import furuta
-from furuta.figures.series import draw_series
+from furuta.figures.figure import save_figure
 from furuta.settings.settings import load_settings, loop
 from furuta.studies.swing_up import swing_up_settings
 
@@ -22,13 +22,13 @@ DOCS = ROOT / "docs"
 COMMANDS = {
     "axis.png": "axis --inertia 0.01 --friction "
     "alpha0=0.1,alpha1=0.1,stribeck_velocity=0.1,viscous=0.005 --pid 1 2 0.08 --out OUT",
-    "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
-    "comparison.png": "compare --rigs 1000 --out OUT",
+    "branch.png": "limit-cycle --over viscous=0:0.3 --figure OUT",
+    "comparison.png": "compare --rigs 1000 --figure OUT",
     "demo.png": "demo --out DIR",
-    "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
-    "limit_cycle.png": "limit-cycle --out OUT",
-    "map.png": "limit-cycle --over omega1=1:15 --over zeta1=0.05:1.5 --out OUT",
-    "nyquist.png": "linearize --figure-4 --out OUT",
+    "describing_function.png": "limit-cycle --predict --law lugre --figure OUT",
+    "limit_cycle.png": "limit-cycle --figure OUT",
+    "map.png": "limit-cycle --over omega1=1:15 --over zeta1=0.05:1.5 --figure OUT",
+    "nyquist.png": "linearize --figure-4 --figure OUT",
 }
 # Examples that draw some of the others.
 EXAMPLES = {"fig9.png": "compensations", "friction_curves.png": "friction_laws"}
@@ -39,7 +39,7 @@ def draw_swing_up(path: Path) -> None:
     """Swing the paper's rig with a full-turn encoder up."""
     settings = swing_up_settings(furuta.load_rig("paper_full_turn"))
     run = furuta.simulate(loop(load_settings([], [], settings)), SECONDS)
-    draw_series(furuta.simulated_series(run), path)
+    save_figure(run.plot, path)
 
 
 # Functions that draw the others.

@@ -40,9 +40,8 @@ def cycle_rows() -> Iterator[list[str]]:
     """Exact and predicted limit cycles of every law, for two feedbacks."""
     for name, feedback in (("controller's gain", None), ("Fig. 4 a", FIGURE_4A)):
         for law in LAWS:
-            loop = furuta.ideal_loop(law=law, feedback=feedback)
-            cycle = furuta.limit_cycle(loop)
-            (predicted,) = furuta.predict_cycles(loop).cycles
+            cycle = furuta.limit_cycle(law=law, feedback=feedback)
+            (predicted,) = furuta.predict_cycles(law=law, feedback=feedback).cycles
             amplitudes = (
                 predicted.phi_peak_to_peak_rad,
                 cycle.phi_peak_to_peak_rad,

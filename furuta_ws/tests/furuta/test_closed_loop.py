@@ -184,7 +184,7 @@ def test_a_run_in_blocks_has_the_same_bits(
     monkeypatch.setattr(closed_loop, "BLOCK_SECONDS", 100.0)
     whole = Simulation(loop).run(3.0)
     monkeypatch.setattr(closed_loop, "BLOCK_SECONDS", 0.35)
-    parts = Simulation(loop).run(3.0, lambda blocks: given.append(blocks) or blocks)
+    parts = Simulation(loop).run(3.0, lambda blocks, number: given.append(blocks) or blocks)
     assert len(given[0]) == 9
     for one, other in zip(whole[1:], parts[1:], strict=True):
         assert one.tobytes() == other.tobytes()

@@ -40,7 +40,7 @@ def test_linearized_loop_has_the_placed_poles() -> None:
 def test_recording_of_a_simulation_is_what_its_sensors_measured(tmp_path: Path) -> None:
     """From a table of its series; identification must not see the estimates."""
     run = furuta.simulate(seconds=0.2)
-    furuta.write_series(tmp_path / "run.csv", furuta.simulated_series(run))
+    run.write(tmp_path / "run.csv")
     recording = furuta.read_recording(tmp_path / "run.csv")
     assert np.array_equal(recording.measured, run.measurement[:, :4], equal_nan=True)
     assert not np.array_equal(recording.measured[:, :3], run.estimate[:, :3])
@@ -87,7 +87,6 @@ def test_loop_prints_what_differs() -> None:
     assert len(repr(furuta.make_loop(rig="qube_servo_2"))) < 300
 
 
-RUN = furuta.simulate(seconds=0.01)
 RECORDING = furuta.Recording("mine", *(np.zeros(shape) for shape in (3, (3, 4), 3, 2)))
 
 
@@ -113,16 +112,12 @@ def test_what_is_no_number_is_a_parameter_error(value: Any) -> None:
             "gamma must be at least 1e-09 V s²/rad, given 0",
         ),
         (lambda: furuta.simulate(seconds=1e300), "above 0 and at most 1e+06, given 1e+300"),
-        (
-            lambda: furuta.simulated_series(RUN._replace(state=np.zeros((10, 3)))),
-            "record.state must have shape (10, 4), given (10, 3)",
-        ),
         (lambda: furuta.identify(RECORDING), "command must have shape (3,), given (2,)"),
         (lambda: furuta.random_rigs(disturbances=["x"]), "disturbances are delay, lag, noise"),
         (lambda: furuta.make_loop({"alfa0": 0.1}), "did you mean alpha0"),
         (lambda: furuta.make_loop(rig="nobody"), "no rig nobody; rigs are"),
         (lambda: furuta.measure(settled=0.0), "settled must be above 0 and at most 1, given 0"),
-        (lambda: furuta.ideal_loop(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),
+        (lambda: furuta.limit_cycle(feedback=[-7.69, -1.36, -1.05, -0.504]), "does not stabilise"),
         (lambda: furuta.tune(seconds=1.0), "needs at least 56 s of pendulum time, given 1"),
     ],
 )

@@ -8,6 +8,8 @@ import pytest
 import scipy.signal
 
 import furuta
+from furuta.limit_cycles.joint import Joint
+from furuta.loops import ideal_loop
 from furuta_model.linear import linearize
 
 A = np.array([[-1.0, 4.0, 1.5], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -30,14 +32,14 @@ def test_every_form_of_a_loop_has_the_same_cycle(system: Any) -> None:
     cycle = furuta.limit_cycle(furuta.friction_joint(system, FRICTION, "stiction"))
     assert cycle.peak_to_peak == pytest.approx(expected.peak_to_peak, rel=1e-9)
     assert cycle.period_s == pytest.approx(expected.period_s, rel=1e-9)
-    path = furuta.trace_cycle(given, expected)
+    path = expected.trace()
     assert np.ptp(path.state[:, 0]) == pytest.approx(expected.peak_to_peak, rel=1e-6)
 
 
 @pytest.mark.parametrize("law", ["coulomb", "lugre"])
 def test_pendulum_as_a_linear_loop(law: str) -> None:
     """Cycle and prediction are those of the pendulum's own code, linear about upright."""
-    pendulum = furuta.ideal_loop()._replace(linear=True, law=furuta.ideal_loop().law.named(law))
+    pendulum = ideal_loop(law=law, linear=True)
     a, b = linearize(pendulum.body)
     closed = (a + np.outer(b, pendulum.gains), b, [0.0, 1.0, 0.0, 0.0])
     given = furuta.friction_joint(closed, pendulum.law.parameters, law)
@@ -51,15 +53,17 @@ def test_pendulum_as_a_linear_loop(law: str) -> None:
 def test_branch_of_a_loop_reaches_the_end_of_the_range() -> None:
     """Its cycles are the final motions at their values, found in other units."""
 
-    def joint_at(damping: float) -> furuta.Joint:
+    def joint_at(damping: float) -> Joint:
         a = A - (damping - 1.0) * B @ C
         return furuta.friction_joint((a, B, C), FRICTION, "stiction")
 
-    points = furuta.branch(joint_at, 0.8, 1.2, 1.0)
-    assert [points[0][2], points[-1][2]] == ["end", "end"]
-    for value, cycle, _ in (points[0], points[-1]):
+    branch = furuta.cycle_branch(joint_at, "damping", 0.8, 1.2, value=1.0)
+    first, *_, last = branch.points
+    assert [first.event, last.event] == ["end", "end"]
+    for value, cycle, _ in (first, last):
         alone = furuta.limit_cycle(joint_at(value))
         assert cycle.peak_to_peak == pytest.approx(alone.peak_to_peak, rel=1e-8)
+    assert branch.to_dict()["events"] == [{"event": "end", "damping": v} for v in (0.8, 1.2)]
 
 
 @pytest.mark.parametrize(
@@ -75,9 +79,12 @@ def test_other_systems_are_rejected(system: Any, message: str) -> None:
         furuta.friction_joint(system, FRICTION)
 
 
-def test_bad_starts_and_foreign_cycles_are_rejected() -> None:
+def test_arguments_without_effect_are_rejected() -> None:
     given = furuta.friction_joint((A, B, C), FRICTION, "stiction")
     with pytest.raises(furuta.ParameterError, match="3 finite numbers"):
         furuta.limit_cycle(given, start=np.zeros(2))
-    with pytest.raises(furuta.ParameterError, match="does not belong"):
-        furuta.trace_cycle(given, furuta.limit_cycle(furuta.ideal_loop()))
+    for argument in ({"theta": 0.1}, {"law": "coulomb"}, {"linear": True}):
+        with pytest.raises(furuta.ParameterError, match=f"{next(iter(argument))} cannot be"):
+            furuta.limit_cycle(given, **argument)
+    with pytest.raises(furuta.ParameterError, match="theta cannot be"):
+        furuta.limit_cycle(theta=0.1, start=np.zeros(4))

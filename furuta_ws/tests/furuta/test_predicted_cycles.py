@@ -7,6 +7,7 @@ import pytest
 import furuta
 from furuta.describing_functions.describing_function import residual, static_describing_function
 from furuta.describing_functions.predicted_cycles import predict_cycles
+from furuta.loops import ideal_loop
 from furuta.transfer import FIGURE_4, transfer
 from furuta_model.friction.laws import ANALYSED_LAWS, friction_law
 from furuta_model.friction.parameters import Friction
@@ -69,7 +70,7 @@ def test_frictionless_and_viscous_loops_have_none() -> None:
 @pytest.mark.parametrize("law", ["coulomb", "stribeck", "lugre"])
 def test_python_control_finds_the_predicted_cycle(law: str) -> None:
     """From G and friction as its objects, also with viscous friction; near the exact cycle."""
-    ideal = furuta.ideal_loop(furuta.make_loop({"plant.friction.viscous": 0.02}), law=law)
+    ideal = ideal_loop(furuta.make_loop({"plant.friction.viscous": 0.02}), law=law)
     (predicted,) = furuta.predict_cycles(ideal).cycles
     friction = furuta.friction_nonlinearity(ideal.law, predicted.omega_rad_s)
     assert isinstance(friction, control.DescribingFunctionNonlinearity)

@@ -37,7 +37,7 @@ def blocks(page: Path) -> list[str]:
 def test_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Block after block, as a reader types them; with shorter simulations."""
     monkeypatch.chdir(tmp_path)
-    furuta.write_series("run.csv", furuta.simulated_series(furuta.simulate(seconds=0.1)))
+    furuta.simulate(seconds=0.1).write("run.csv")
     names: dict[str, Any] = {}
     for code in blocks(page):
         short = re.sub(r"\b[36]0\.0\b", "5.0", code).replace("rigs(100", "rigs(2")

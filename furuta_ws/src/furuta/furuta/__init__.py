@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from furuta.describing_functions.describing_function import (
         describing_function as describing_function,
     )
+    from furuta.exports import export_c as export_c
+    from furuta.exports import export_joint as export_joint
     from furuta.identification.axis.identify import identify_axis as identify_axis
     from furuta.identification.bodies.arm_joint import identify_arm_joint as identify_arm_joint
     from furuta.identified_models import identified_values as identified_values

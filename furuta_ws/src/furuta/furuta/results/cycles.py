@@ -156,7 +156,9 @@ class JointCycle(Found):
 def joint_sentence(cycle: joint.JointCycle, size: str) -> str:
     """The kind of motion of a joint, whose peak to peak is ``size`` in words."""
     if cycle.kind == "limit_cycle" and np.isfinite(cycle.period_s):
-        sticks = f"; it sticks {cycle.stuck_fraction:.0%} of the time" * (cycle.stuck_fraction > 0)
+        sticks = f"; it sticks {100 * cycle.stuck_fraction:.0f} % of the time" * (
+            cycle.stuck_fraction > 0
+        )
         return f"The joint hunts by {size} every {cycle.period_s:.3g} s{sticks}."
     return {
         "limit_cycle": f"The joint moves by {size} between two rests, and stays at each until a "

@@ -33,7 +33,7 @@ def swing_sentence(peak_to_peak: float, period: float, stuck: float) -> str:
     """How the arm swings: peak to peak [rad], period [s], part of the time in which it sticks."""
     if np.isnan(period):
         return f"The arm moves by {angle(peak_to_peak)}, without a period."
-    sticks = f"; it sticks {stuck:.0%} of the time" if stuck else ""
+    sticks = f"; it sticks {100 * stuck:.0f} % of the time" if stuck else ""
     return f"The arm swings by {angle(peak_to_peak)} every {period:.3g} s{sticks}."
 
 

@@ -85,8 +85,8 @@ def table_text(
 ) -> str:
     """Rows as a table: text at the left, numbers with three digits at the right.
 
-    ``headings`` are the names that are shown, with their titles; by default all. Columns beyond the width of the
-    text continue below, beside the first one. No value is cut.
+    ``headings`` are the names that are shown, with their titles; by default all. Columns beyond the
+    width of the text continue below, beside the first one. No value is cut.
     """
     rows = list(rows)
     titles = headings or {name: heading(name) for row in rows for name in row}

@@ -1,14 +1,18 @@
 """``furuta export``."""
 
+from __future__ import annotations
+
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import HelpfulGroup, json_option, model_options
 from furuta_bringup.printing import print_file, show
-from furuta_ros.whole_files import whole_file
+
+if TYPE_CHECKING:
+    from furuta_hw.rigs.rig import Rig
 
 
 @click.group(cls=HelpfulGroup)
@@ -49,45 +53,33 @@ def c(
     commands are the same to the last bit. The test program compares a run. With --axis it is the
     observer of a joint, with the controller of the joint file.
     """
-    from furuta.export.values import DOUBLE, FLOAT
+    from furuta import export_c, make_loop, read_joint_file
 
-    precision = FLOAT if single else DOUBLE
     if joints is not None:
-        from furuta.axis.joint_file import read_joint_file
-        from furuta.export.axis_files import axis_files
-
         if files or assignments:
             raise click.UsageError("--axis takes all parameters from its file")
         given = read_joint_file(joints, joint)
         about = f"Joint {given.joint} of {joints.name}. V is the unit of its effort."
-        contents = axis_files(given, precision, about)
+        written = export_c(given, out, single=single, origin=about)
     elif joint is not None:
         raise click.UsageError("--joint needs --axis FILE")
     else:
-        contents = _loop_files(files, assignments, precision)
-    for name, content in contents.items():
-        with whole_file(out / name) as path:
-            path.write_text(content, encoding="utf-8")
-    written = [out / name for name in contents]
-    total = sum(path.stat().st_size for path in written)
-    show({"files": list(map(str, written)), "bytes": total}, as_json)
+        rig, origin = _described(files)
+        about = " ".join(["Control system of the Furuta pendulum.", *origin, *assignments])
+        loop = make_loop(assignments, files=files)
+        written = export_c(loop, out, rig=rig, single=single, origin=about)
+    show(written, as_json)
 
 
-def _loop_files(
-    files: tuple[Path, ...], assignments: tuple[str, ...], precision: Any
-) -> dict[str, str]:
-    from furuta.export.loop_files import loop_files
-    from furuta.settings.settings import load_settings, loop
-    from furuta_hw.rigs.rig import Rig
+def _described(files: tuple[Path, ...]) -> tuple[Rig | None, list[str]]:
+    """The rig of the last rig file, and what the files are."""
     from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
     from furuta_ros.yaml_files import read_yaml
 
-    exported = loop(load_settings(files, assignments))
-    given, rig = {file: read_yaml(file, "parameter file") for file in files}, Rig()
+    given, rig = {file: read_yaml(file, "parameter file") for file in files}, None
     for file in filter(lambda file: is_rig_file(given[file]), files):
         rig, _ = rig_from_content(given[file], file)
-    origin = ["Control system of the Furuta pendulum.", *map(_origin, given.items()), *assignments]
-    return loop_files(exported, rig, precision, " ".join(origin))
+    return rig, list(map(_origin, given.items()))
 
 
 def _joint_command(form: str, about: str) -> None:
@@ -110,15 +102,11 @@ def _joint_command(form: str, about: str) -> None:
         help="File to write instead of standard output.",
     )
     def write(path: Path, joint: str | None, out: Path | None, **options: Any) -> None:
-        from furuta.axis.joint_file import read_joint_file
-        from furuta.export.joint_models import joint_model
+        from furuta import export_joint, read_joint_file
 
-        text = joint_model(read_joint_file(path, joint), form, **options)
+        text = export_joint(read_joint_file(path, joint), form, out, **options)
         if out is None:
             print_file(text)
-            return
-        with whole_file(out) as file:
-            file.write_text(text, encoding="utf-8")
 
     if form == "mjcf":
         click.option(
