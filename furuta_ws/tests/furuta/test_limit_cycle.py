@@ -143,7 +143,7 @@ def points() -> list[BranchPoint]:
 
 def test_branch_folds_where_the_cycle_disappears(points: list[BranchPoint]) -> None:
     (fold,) = (i for i, point in enumerate(points) if point.event == "fold")
-    value = fold_value(points, fold)
+    value = fold_value(points, fold, "phi_peak_to_peak_rad")
     assert limit_cycle(ideal(Friction(viscous=value - 0.004))).kind == "limit_cycle"
     assert limit_cycle(ideal(Friction(viscous=value + 0.004))).kind == "unbounded"
     multiplier = abs(points[fold].cycle.floquet_multipliers[0])

@@ -96,7 +96,7 @@ FAILED = {
     "hw check --port /dev/nothing": "cannot open /dev/nothing",
     "param defaults observer": "no node observer",
     "linearize --nyquist --feedback nan 1 1 1": "four finite numbers",
-    "limit-cycle --feedback 0 7 60 20 --out x.png": "no limit cycle",
+    "limit-cycle --feedback 0 7 60 20 --figure x.png": "no limit cycle",
     "limit-cycle --over omega1=1:2 --over omega1=1:2": "two different parameters",
     "identify run.csv --rig paper": "add --write FILE.yaml, or leave --rig out",
     "tune --seconds 20 --json": "needs at least",

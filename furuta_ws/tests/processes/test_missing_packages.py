@@ -33,7 +33,7 @@ def remove(
     [
         ("websockets", "view --no-open", "pip install websockets"),
         ("pyarrow", "simulate --seconds 1 --out run.parquet", "pip install"),
-        ("matplotlib", "simulate --seconds 1 --out run.png", "pip install matplotlib"),
+        ("matplotlib", "simulate --seconds 1 --figure run.png", "pip install matplotlib"),
         ("ziglang", "hw emulate --firmware", "ziglang"),
         ("rclpy", "run", "ROS 2 Jazzy, or on Linux x86-64 pip install '.[ros]'"),
     ],

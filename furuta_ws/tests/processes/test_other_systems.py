@@ -13,7 +13,7 @@ from sources import TESTS
 # What uses all cores, which macOS and Windows count otherwise; and all other verbs.
 ON_ALL_CORES = """limit-cycle --over omega1=6:7:2; swing-up --starts 1
 sweep alpha0=0.1:0.3:3 --seconds 1 --out sweep.csv"""
-OTHERS = """--help; axis --help; simulate --seconds 2 --out run.csv; linearize --nyquist --out n.png
+OTHERS = """--help; axis --help; simulate --seconds 2 --out run.csv; linearize --figure n.png
 limit-cycle; limit-cycle --predict; axis --inertia 1 --friction alpha0=1 --pid 100 100 20
 export c --out c; bag info bag; bag export run.csv --out run.mat; bag recover bag; param defaults
 hw rig paper; compare --rigs 2 --candidate none --seconds 5"""

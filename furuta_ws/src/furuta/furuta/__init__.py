@@ -11,11 +11,11 @@ upright) and speed [rad, rad/s]. Torque and friction are in volts at the drive [
     0.511 rad, 2.37 s
 """
 
-import ast
 from importlib import import_module
 from inspect import isfunction
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from furuta.lazy import public_names
 
 # The public names. Type checkers read this list, and so does the code below: a module is imported
 # when one of its names is first used. A study that only simulates needs neither scipy's optimisers
@@ -77,13 +77,7 @@ if TYPE_CHECKING:
 
     __version__: str
 
-_MODULE_OF = {
-    name.name: str(node.module)
-    for node in ast.walk(ast.parse(Path(__file__).read_text(encoding="utf-8")))
-    if isinstance(node, ast.ImportFrom)
-    for name in node.names
-    if name.asname
-}
+_MODULE_OF = public_names(__file__)
 __all__ = list(_MODULE_OF)
 
 

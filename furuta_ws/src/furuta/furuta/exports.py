@@ -3,30 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from furuta.axis.joint_file import JointFile
 from furuta.export.axis_files import axis_files
 from furuta.export.joint_models import FORMATS, joint_model
 from furuta.export.loop_files import loop_files
 from furuta.export.values import DOUBLE, FLOAT
-from furuta.results.result import Result
+from furuta.results.files import Files
 from furuta_hw.rigs.rig import Rig
 from furuta_model.parameters import ParameterError
 from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Loop
-
-
-class Files(Result):
-    """Files that were written: their paths, and their size together."""
-
-    def __init__(self, files: list[Path]) -> None:
-        self.files = files
-
-    def to_dict(self) -> dict[str, Any]:
-        """The ``files``, and their size in ``bytes``."""
-        size = sum(file.stat().st_size for file in self.files)
-        return {"files": list(map(str, self.files)), "bytes": size}
 
 
 def export_c(

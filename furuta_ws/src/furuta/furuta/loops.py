@@ -189,7 +189,10 @@ def value_of(loop: Loop, name: str, feedback: Iterable[float] | None = None) -> 
     if name in GAINS:
         return float(getattr(ideal_loop_at(loop, {}, feedback=feedback), name))
     settings = loop_settings(loop)
-    found = {settings[node][declared.name] for node, declared in parameters_named(name)}
+    found = {
+        settings[node].get(declared.name, declared.default)
+        for node, declared in parameters_named(name)
+    }
     return float(found.pop()) if len(found) == 1 else None
 
 

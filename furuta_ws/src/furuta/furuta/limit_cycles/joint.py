@@ -324,7 +324,7 @@ def _extreme(loop: LinearLoop, path: Trajectory, at: float, drift: float) -> flo
 def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:
     """One period of a cycle: time (n,) [s], position and state x (n, 1 + states), forces (n,)."""
     if cycle.kind != "limit_cycle" or cycle.scaled is None:
-        raise ParameterError(f"only a limit cycle can be traced, given {cycle.kind}")
+        raise ParameterError(f"there is no limit cycle: the motion is {cycle.kind}")
     units = given.units
     path = trace(given.loop, cycle.scaled)
     position = units.position * path.state[:, :1]

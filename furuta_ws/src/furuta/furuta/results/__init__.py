@@ -1,1 +1,30 @@
 """What the functions of the library return: each as a dictionary, as text and as a figure."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from furuta.lazy import public_names
+
+if TYPE_CHECKING:
+    from furuta.results.cycles import Branch as Branch
+    from furuta.results.cycles import CycleMap as CycleMap
+    from furuta.results.cycles import JointCycle as JointCycle
+    from furuta.results.cycles import LimitCycle as LimitCycle
+    from furuta.results.cycles import Prediction as Prediction
+    from furuta.results.files import Files as Files
+    from furuta.results.linear import LinearModel as LinearModel
+    from furuta.results.motion import Outcome as Outcome
+    from furuta.results.motion import Run as Run
+    from furuta.results.result import Result as Result
+    from furuta.results.table import Series as Series
+    from furuta.results.table import Table as Table
+
+_MODULE_OF = public_names(__file__)
+__all__ = list(_MODULE_OF)
+
+
+def __getattr__(name: str) -> Any:
+    """The class of a result when it is first used; PEP 562."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return globals().setdefault(name, getattr(import_module(_MODULE_OF[name]), name))

@@ -87,7 +87,7 @@ class LimitCycle(Found):
             ParameterError: The motion is no limit cycle with a finite period.
         """
         if self.found.kind != "limit_cycle":
-            raise ParameterError(f"only a limit cycle can be traced, given {self.found.kind}")
+            raise ParameterError(f"there is no limit cycle: the motion is {self.found.kind}")
         return trace(self.loop, self.found)
 
     def plot(self, axes: Any = None) -> Any:

@@ -13,6 +13,7 @@ from furuta.outcomes import Outcome as Measured
 from furuta.results.result import Found, plain
 from furuta.results.table import Series
 from furuta.results.text import angle
+from furuta_model.friction.lugre import highest_level
 from furuta_model.state import RIGID_STATES, THETA
 from furuta_recordings.series_columns import (
     COMMAND,
@@ -76,7 +77,7 @@ class Run(Found):
         record = self.found
         settled = slice(len(record.command) // 2, None)
         measured = measure_oscillation(record.state[settled], record.sample_time)._asdict()
-        if not np.any(record.friction):
+        if not highest_level(self.loop.plant.friction.parameters):
             measured["stuck_fraction"] = float("nan")  # nothing holds the arm
         return plain(measured)  # type: ignore[no-any-return]
 

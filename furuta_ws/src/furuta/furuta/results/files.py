@@ -1,0 +1,20 @@
+"""Files that were written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from furuta.results.result import Result
+
+
+class Files(Result):
+    """Files that were written: their paths, and their size together."""
+
+    def __init__(self, files: list[Path]) -> None:
+        self.files = files
+
+    def to_dict(self) -> dict[str, Any]:
+        """The ``files``, and their size in ``bytes``."""
+        size = sum(file.stat().st_size for file in self.files)
+        return {"files": list(map(str, self.files)), "bytes": size}
