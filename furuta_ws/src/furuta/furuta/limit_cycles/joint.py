@@ -19,7 +19,7 @@ from furuta.limit_cycles.exact_motion import state_after
 from furuta.limit_cycles.friction_loop import rate
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.linear_loop import LinearLoop
-from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory, trace
+from furuta.limit_cycles.periodic_orbit import Kind, LimitCycle, Trajectory, trace
 from furuta.limit_cycles.rest_stability import STILL
 from furuta_model.friction.laws import (
     analysed_law,
@@ -104,7 +104,7 @@ class JointCycle(NamedTuple):
     was seen over ``observed_s`` after ``transient_s``.
     """
 
-    kind: str
+    kind: Kind
     peak_to_peak: float = 0.0
     period_s: float = float("nan")
     stuck_fraction: float = 0.0

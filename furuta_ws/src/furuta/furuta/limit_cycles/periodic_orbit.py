@@ -9,7 +9,7 @@ A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. I
 multipliers are the eigenvalues of dP/ds.
 """
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -138,6 +138,10 @@ class Section:
         return np.array(columns).T
 
 
+# Kinds of a final motion.
+Kind = Literal["limit_cycle", "steady", "rest", "unbounded", "irregular"]
+
+
 class LimitCycle(NamedTuple):
     """Final motion of a loop (``kind``: limit_cycle, steady, rest, unbounded, irregular).
 
@@ -157,7 +161,7 @@ class LimitCycle(NamedTuple):
     however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.
     """
 
-    kind: str
+    kind: Kind
     phi_peak_to_peak_rad: float = 0.0
     theta_peak_to_peak_rad: float = 0.0
     period_s: float = float("nan")

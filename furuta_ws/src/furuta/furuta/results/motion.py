@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from furuta.limit_cycles.rest_stability import FRICTIONLESS
 from furuta.oscillation import measure_oscillation
 from furuta.outcomes import Outcome as Measured
 from furuta.results.result import Found, plain
@@ -77,7 +78,7 @@ class Run(Found):
         record = self.found
         settled = slice(len(record.command) // 2, None)
         measured = measure_oscillation(record.state[settled], record.sample_time)._asdict()
-        if not highest_level(self.loop.plant.friction.parameters):
+        if highest_level(self.loop.plant.friction.parameters) < FRICTIONLESS:
             measured["stuck_fraction"] = float("nan")  # nothing holds the arm
         return plain(measured)  # type: ignore[no-any-return]
 
