@@ -18,7 +18,7 @@ from furuta.figures.figure import (
 )
 from furuta.limit_cycles.continuation import BranchPoint
 from furuta.limit_cycles.joint import JointCycle
-from furuta.limit_cycles.periodic_orbit import LimitCycle, Trajectory
+from furuta.limit_cycles.periodic_orbit import Trajectory
 from furuta.quantities import QUANTITIES
 from furuta_model.state import PHI, PHI_DOT, THETA
 
@@ -34,13 +34,8 @@ PERIODS = 2
 MARKED_EVENTS = {"fold": "fold", "vanishes": "the cycle vanishes"}
 
 
-def draw_limit_cycle(motion: Trajectory, cycle: LimitCycle, law: str, axes: Any = None) -> Any:
+def draw_limit_cycle(motion: Trajectory, title: str, axes: Any = None) -> Any:
     """Draw arm, pendulum, control and friction over one period, and the arm's phase plane."""
-    title = (
-        f"{law}: {cycle.phi_peak_to_peak_rad:.4f} rad, {cycle.period_s:.3f} s, stuck "
-        f"{cycle.stuck_fraction:.0%}, {'stable' if cycle.stable else 'unstable'}, largest "
-        f"multiplier {abs(cycle.floquet_multipliers[0]):.3g}"
-    )
     figure, axes = axes_for(axes, 2, 2, figsize=(10, 6.5))
     (arm, pendulum), (force, plane) = axes
     _draw_cycle(arm, force, plane, motion)
@@ -132,8 +127,9 @@ def _draw_branch_series(axis: Any, points: list[BranchPoint], field: str, colour
     values = np.array([point.value for point in points])
     stable = np.array([point.cycle.stable for point in points])
     heights = np.array([getattr(point.cycle, field) for point in points])
-    axis.plot(values, np.where(stable, heights, np.nan), "-", color=colour, label="stable")
-    axis.plot(values, np.where(stable, np.nan, heights), "--", color=colour, label="unstable")
+    for chosen, line, label in ((stable, "-", "stable"), (~stable, "--", "unstable")):
+        if chosen.any():
+            axis.plot(values, np.where(chosen, heights, np.nan), line, color=colour, label=label)
     for point in points:
         if point.event in MARKED_EVENTS:
             axis.plot(point.value, getattr(point.cycle, field), "ko", ms=5)

@@ -130,7 +130,7 @@ def _draw_plane(
     _, values = nyquist_curve(g)
     axis.plot(values.real, values.imag, color=LINE, lw=1.8, label="G(jω)")
     amplitudes = np.geomspace(amplitude / SPAN, amplitude * SPAN, 4 * AMPLITUDES)
-    for drawn in (law, law.named("coulomb" if law.bristle else "lugre")):
+    for drawn in _compared(law):
         inverse = _inverse(drawn, amplitudes, omega)
         label = f"-1/N, {drawn.name}" + (f", ω = {omega:.3g} rad/s" if drawn.bristle else "")
         axis.plot(inverse.real, inverse.imag, color=COLOURS[drawn.name], lw=1.8, label=label)
@@ -147,14 +147,19 @@ def _draw_plane(
     axis.legend(loc="lower right")
 
 
+def _compared(law: FrictionLaw) -> tuple[FrictionLaw, FrictionLaw]:
+    """The law, and one with a bristle if it has none, or the other way round."""
+    return law, law.named("coulomb" if law.bristle else "lugre")
+
+
 def _draw_functions(axis: Any, law: FrictionLaw, omega: float, amplitude: float) -> None:
     amplitudes = np.geomspace(amplitude / SPAN, amplitude * SPAN / 30, AMPLITUDES)
     phase = axis.twinx()
-    for name in ANALYSED_LAWS:
-        n = np.array([describing_function(a, omega, law.named(name)) for a in amplitudes])
-        style = "--" if name == "stiction" else "-"  # it covers Coulomb's curve
-        axis.loglog(amplitudes, np.abs(n), style, color=COLOURS[name], lw=1.8, label=name)
-        phase.semilogx(amplitudes, np.degrees(np.angle(n)), ":", color=COLOURS[name], lw=1.2)
+    for drawn in _compared(law):
+        n = np.array([describing_function(a, omega, drawn) for a in amplitudes])
+        colour = COLOURS[drawn.name]
+        axis.loglog(amplitudes, np.abs(n), color=colour, lw=1.8, label=drawn.name)
+        phase.semilogx(amplitudes, np.degrees(np.angle(n)), ":", color=colour, lw=1.2)
     axis.axvline(amplitude, color="0.6", lw=0.8)
     style_axis(axis, "amplitude A of the arm's speed [rad/s]", "|N| [V s/rad] (lines)", FAINT_GRID)
     phase.set_ylabel("angle of N [°] (dotted)")

@@ -57,6 +57,8 @@ TITLES = {
 SHOWN, FRICTION_SHOWN = 10.0, 2.5
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
 GAP = 100.0
+# Difference of two curves, relative to their range, that cannot be seen.
+SAME = 2e-3
 # Matplotlib finds no ticks for the largest numbers.
 LARGEST = 1e100
 
@@ -120,9 +122,16 @@ def draw_demo(recorded: RecordedRun, phases: list[Phase], axes: Any = None) -> A
     return axes
 
 
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether two curves would cover each other."""
+    return bool(np.nanmax(np.abs(one - other), initial=0.0) <= SAME * np.ptp(one))
+
+
 def _draw_row(axis: Any, label: str, time: np.ndarray, series: Mapping[str, np.ndarray]) -> None:
-    """Draw the series of a row of :data:`COLUMNS` that exist."""
-    for name, style in COLUMNS[label].items():
-        if name in series:
+    """Draw the series of a row of :data:`COLUMNS` that exist, the same curve only once."""
+    drawn: list[np.ndarray] = []
+    for name, style in sorted(COLUMNS[label].items(), key=lambda item: "true" not in item[0]):
+        if name in series and not any(_same(series[name], other) for other in drawn):
             axis.plot(time, series[name], **style)
+            drawn.append(series[name])
     style_time_series(axis)

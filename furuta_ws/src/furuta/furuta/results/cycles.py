@@ -94,7 +94,7 @@ class LimitCycle(Found):
         """Draw one period and the arm's phase plane; see :meth:`Result.plot`."""
         from furuta.figures.limit_cycle import draw_limit_cycle
 
-        return draw_limit_cycle(self.trace(), self.found, self.loop.law.name, axes)
+        return draw_limit_cycle(self.trace(), f"{self.loop.law.name}: {self.sentence()}", axes)
 
 
 def _chosen(values: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
