@@ -5,7 +5,8 @@ import json
 import math
 import sys
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import Any, TypeVar
 
@@ -126,6 +127,23 @@ def with_progress(
         for item in items:
             yield item
             progress.advance(task)
+
+
+@contextmanager
+def with_status(text: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """Show a text with a moving sign on the terminal during the ``with`` block.
+
+    The block gets a function that changes the text. It must not print a result: that is for
+    standard output.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    with Console(stderr=True).status(escape(text)) as status:
+        yield lambda text: status.update(escape(text))
 
 
 def print_table(title: str, rows: Iterable[Mapping[str, Any]], headings: Mapping[str, str]) -> None:

@@ -9,6 +9,7 @@ from typing import TypeVar
 from furuta_bringup.graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_bringup.graph.scheduling import Scheduling, apply_scheduling
+from furuta_bringup.printing import with_status
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.errors import UserError
@@ -99,7 +100,8 @@ def _running(
     for result in apply_scheduling(scheduling):
         print(result)
     with ros_context(namespace=graph.namespace):
-        composed = make(graph.settings, record=record, without=graph.without)
+        with with_status("starting the nodes"):
+            composed = make(graph.settings, record=record, without=graph.without)
         try:
             yield composed
         finally:

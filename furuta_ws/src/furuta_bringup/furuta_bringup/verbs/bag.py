@@ -7,7 +7,7 @@ import click
 
 from furuta_bringup.option_types import FIGURE_SUFFIXES, PATH, SERIES_OR_FIGURE, FiniteRange
 from furuta_bringup.options import HelpfulGroup, json_option, names_options, option
-from furuta_bringup.printing import show
+from furuta_bringup.printing import show, with_progress, with_status
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
@@ -62,15 +62,17 @@ def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
     from furuta.recordings import series_with_findings
     from furuta_recordings.series_columns import TIME
 
-    series, findings = series_with_findings(bag, names)
-    if out.suffix.lower() in FIGURE_SUFFIXES:
-        from furuta.figures.series import draw_series
+    with with_status(f"reading {bag}", as_json) as tell:
+        series, findings = series_with_findings(bag, names)
+        tell(f"writing {out}")
+        if out.suffix.lower() in FIGURE_SUFFIXES:
+            from furuta.figures.series import draw_series
 
-        draw_series(series, out)
-    else:
-        from furuta_recordings.table_files import write_columns
+            draw_series(series, out)
+        else:
+            from furuta_recordings.table_files import write_columns
 
-        write_columns(out, series)
+            write_columns(out, series)
     result = {"file": str(out), "rows": len(series[TIME]), "columns": list(series)}
     show(result | {"findings": findings}, as_json)
 
@@ -86,7 +88,9 @@ def recover(bag: Path, out: Path | None, as_json: bool) -> None:
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
     named = bag if bag.name else bag.resolve()  # the name of . is empty
-    show(recover_bag(bag, out or named.parent / f"{named.stem}_recovered"), as_json)
+    with with_status(f"recovering {bag}", as_json):
+        result = recover_bag(bag, out or named.parent / f"{named.stem}_recovered")
+    show(result, as_json)
 
 
 def _remappings(
@@ -129,13 +133,14 @@ def replay(
     as_json: bool,
 ) -> None:
     """Publish the messages of BAG with their original timing."""
-    from furuta_recordings.replay_node import ReplayNode, ReplayOptions
+    from furuta_recordings.replay_node import PARTS, ReplayNode, ReplayOptions
     from furuta_ros.process import StopSignal, bounded_end
     from furuta_ros.spinning import ros_context
 
     with ros_context():
         node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))
-        node.play(StopSignal())
+        for _ in with_progress("replaying", node.play(StopSignal()), PARTS, as_json):
+            pass
         show({"published": node.published, "latest_s": node.latest}, as_json)
         with bounded_end(0):
             node.destroy_node()

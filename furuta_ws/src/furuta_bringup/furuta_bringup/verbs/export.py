@@ -7,7 +7,7 @@ import click
 
 from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import HelpfulGroup, json_option, model_options
-from furuta_bringup.printing import print_file, show
+from furuta_bringup.printing import print_file, show, with_status
 from furuta_ros.whole_files import whole_file
 
 
@@ -60,11 +60,13 @@ def c(
             raise click.UsageError("--axis takes all parameters from its file")
         given = read_joint_file(joints, joint)
         about = f"Joint {given.joint} of {joints.name}. V is the unit of its effort."
-        contents = axis_files(given, precision, about)
+        with with_status("translating into C", as_json):
+            contents = axis_files(given, precision, about)
     elif joint is not None:
         raise click.UsageError("--joint needs --axis FILE")
     else:
-        contents = _loop_files(files, assignments, precision)
+        with with_status("translating into C", as_json):
+            contents = _loop_files(files, assignments, precision)
     for name, content in contents.items():
         with whole_file(out / name) as path:
             path.write_text(content, encoding="utf-8")

@@ -1,5 +1,6 @@
 """``furuta simulate``."""
 
+import sys
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -91,7 +92,19 @@ def command(
     result = _result(record, wall)
     if out is not None:
         _save(record, out, simulation.loop.plant.actuator)
+    if result["fell"] and not as_json:
+        print(_note_on_fall(record, simulation.loop), file=sys.stderr)
     show(result, as_json)
+
+
+def _note_on_fall(record: Any, loop: Any) -> str:
+    """That the figures mean nothing, and why the pendulum fell if that is evident."""
+    from furuta.oscillation import has_fallen
+
+    friction, limit = loop.plant.friction.parameters.alpha0, loop.controller.voltage_limit
+    why = f"; alpha0, {friction:g} V, exceeds the drive's {limit:g} V" if friction > limit else ""
+    fall = record.time[has_fallen(record.state).argmax()]
+    return f"note: the pendulum fell after {fall:.3g} s, so the figures mean nothing{why}"
 
 
 def _result(record: Any, wall_seconds: float) -> dict[str, Any]:
