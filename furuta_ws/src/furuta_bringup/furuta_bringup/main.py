@@ -27,11 +27,11 @@ VERBS = {
     "linearize": "Linear model, poles, gain, margins; Nyquist plot; passivity.",
     "limit-cycle": "Limit cycle, exact or predicted; its branches and maps.",
     "export": "Export the tuned loop as C for a microcontroller.",
-    "axis": "Hunting of a servo axis with friction; which compensation helps.",
+    "axis": "Hunting of a servo axis with friction, and what helps.",
     "identify": "Identify a model from recordings.",
     "bag": "Show, export, recover and replay recorded bags.",
     "hw": "Commission a real rig, arm it, or emulate one.",
-    "param": "Read and set parameters of running nodes; print parameter files.",
+    "param": "Parameters of running nodes; parameter files.",
 }
 
 

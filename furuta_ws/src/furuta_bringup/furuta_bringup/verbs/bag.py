@@ -82,7 +82,10 @@ def export(bag: Path, out: Path, names: Mapping, as_json: bool) -> None:
 @option("--out", type=PATH, metavar="BAG", help="New bag; default: BAG_recovered.")
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
-    """Copy all complete messages of an MCAP bag into a new bag; BAG is not changed."""
+    """Copy all complete messages of an MCAP bag into a new bag.
+
+    BAG is not changed.
+    """
     from furuta_recordings.bags.recovery import recover as recover_bag
 
     if not bag.exists():

@@ -63,14 +63,15 @@ def command(
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
-    from furuta.figures.series import draw_demo
-    from furuta.settings.settings import loop
-    from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
-    from furuta_bringup.demo_run import run_demo
-    from furuta_bringup.warm_up import compile_nodes, workers
-    from furuta_recordings.bags.recorded_loop import read_recorded_run
-    from furuta_recordings.bags.writer import check_new_bag
-    from furuta_ros.spinning import ros_context
+    with with_status("loading", quiet):
+        from furuta.figures.series import draw_demo
+        from furuta.settings.settings import loop
+        from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
+        from furuta_bringup.demo_run import run_demo
+        from furuta_bringup.warm_up import compile_nodes, workers
+        from furuta_recordings.bags.recorded_loop import read_recorded_run
+        from furuta_recordings.bags.writer import check_new_bag
+        from furuta_ros.spinning import ros_context
 
     # An interrupted demo leaves the results of an earlier one as they were.
     bag, new = directory / "bag", directory / "unfinished" / "bag"

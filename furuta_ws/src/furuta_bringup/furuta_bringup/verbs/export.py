@@ -92,10 +92,10 @@ def _loop_files(
     return loop_files(exported, rig, precision, " ".join(origin))
 
 
-def _joint_command(form: str, about: str) -> None:
+def _joint_command(form: str, name: str, friction: str) -> None:
     """Add the command that writes a joint in a format."""
 
-    @command.command(form, help=f"Write an identified joint as {about}.")
+    @command.command(form, help=f"Write an identified joint as {name}.\n\n{friction}")
     @click.option(
         "--axis",
         "path",
@@ -137,9 +137,9 @@ def _joint_command(form: str, about: str) -> None:
         )(write)
 
 
-_joint_command("urdf", "URDF, with Coulomb and viscous friction")
-_joint_command("sdf", "SDF for Gazebo, with Coulomb and viscous friction")
-_joint_command("mjcf", "MJCF for MuJoCo, with Coulomb or LuGre friction")
+_joint_command("urdf", "URDF", "Its friction is Coulomb and viscous.")
+_joint_command("sdf", "SDF for Gazebo", "Its friction is Coulomb and viscous.")
+_joint_command("mjcf", "MJCF for MuJoCo", "Its friction is Coulomb or LuGre.")
 
 
 def _origin(given: tuple[Path, Any]) -> str:

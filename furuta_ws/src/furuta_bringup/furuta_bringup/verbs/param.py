@@ -43,8 +43,8 @@ node_argument = click.argument("node", callback=_node_name)
 
 
 @contextmanager
-def _client(node: str, namespace: str) -> Iterator[ParameterClient]:
-    with with_status(f"looking for {node}"):
+def _client(node: str, namespace: str, quiet: bool = False) -> Iterator[ParameterClient]:
+    with with_status(f"looking for {node}", quiet):
         from furuta_bringup.graph.parameter_client import ParameterClient
 
         with joined_node("furuta_param", namespace) as joined:
@@ -57,7 +57,7 @@ def _client(node: str, namespace: str) -> Iterator[ParameterClient]:
 @json_option
 def list_(node: str, namespace: str, as_json: bool) -> None:
     """List the parameters of NODE with their values."""
-    with _client(node, namespace) as client:
+    with _client(node, namespace, as_json) as client:
         values = client.get(node, client.names(node))
     if as_json:
         print_json({name: _plain(value) for name, value in values.items()})
@@ -73,7 +73,7 @@ def list_(node: str, namespace: str, as_json: bool) -> None:
 @json_option
 def get(node: str, name: str, namespace: str, as_json: bool) -> None:
     """Print the value of one parameter."""
-    with _client(node, namespace) as client:
+    with _client(node, namespace, as_json) as client:
         value = _plain(client.get(node, [name])[name])
     if as_json:
         print_json({name: value})
@@ -135,7 +135,10 @@ def _double(name: str, value: Any) -> float:
 @command.command()
 @click.argument("node", required=False)
 def defaults(node: str | None) -> None:
-    """Print a parameter file with the defaults of all nodes, or of NODE."""
+    """Print a parameter file with the defaults of NODE.
+
+    Without NODE it has those of all nodes.
+    """
     from furuta_bringup.parameter_files import parameter_file
 
     if node is not None and node not in NODES:

@@ -17,16 +17,13 @@ from furuta_bringup.options import (
     model_options,
     option,
 )
-from furuta_bringup.printing import show, with_progress
+from furuta_bringup.printing import show, with_progress, with_status
 from furuta_recordings.suffixes import SUFFIXES
 from furuta_ros.whole_files import whole_file
 
-# A run up to this time [s] takes a fraction of a second, too short for a bar.
-SECONDS = 60.0
-
 
 @click.command()
-@option("--seconds", type=SIMULATED_SECONDS, default=SECONDS, help="Simulated time [s].")
+@option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time [s].")
 @option(
     "--compensation",
     metavar="NAME",
@@ -81,12 +78,12 @@ def command(
     if seed is not None:
         options["--seed"] = f"plant.seed={seed}"
     require_agreement(assignments, options)
-    settings = load_settings(files, [*first, *assignments, *options.values()])
-    simulation = Simulation(loop(settings))
-    quiet = as_json or seconds <= SECONDS
+    with with_status("loading", as_json):
+        settings = load_settings(files, [*first, *assignments, *options.values()])
+        simulation = Simulation(loop(settings))
     began = perf_counter()
     record = simulation.run(
-        seconds, lambda blocks: with_progress("simulating", blocks, len(blocks), quiet)
+        seconds, lambda blocks: with_progress("simulating", blocks, len(blocks), as_json)
     )
     wall = perf_counter() - began
     result = _result(record, wall)

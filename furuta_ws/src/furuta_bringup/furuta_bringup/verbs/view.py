@@ -31,11 +31,13 @@ class _WithRunOptions(click.Command):
         except click.NoSuchOption as error:
             from furuta_bringup.verbs import run
 
-            name = error.option_name
-            if not any(name in each.opts for each in run.command.params):
+            named = [each for each in run.command.params if error.option_name in each.opts]
+            if not named:
                 raise
-            example = f"furuta view -- {name}"
-            ctx.fail(f"{name} is an option of furuta run; such follow after --: {example}")
+            is_flag = getattr(named[0], "is_flag", False)
+            value = "" if is_flag else f" {named[0].metavar or 'VALUE'}"
+            example = f"furuta view -- {error.option_name}{value}"
+            ctx.fail(f"options of furuta run follow after --: {example}")
 
 
 @click.command(cls=_WithRunOptions)
