@@ -16,6 +16,7 @@ def test_the_rig_is_the_first_parameter_file(tmp_path: Path) -> None:
         print([file.name for file in files], assignments)
 
     rig, other = tmp_path / "mine.yaml", tmp_path / "other.yaml"
+    rig.write_text("name: mine")
     arguments = ["--params", str(other), "--rig", str(rig), "--set", "a=1"]
     result = CliRunner().invoke(verb, arguments)
     assert result.output == "['mine.yaml', 'other.yaml'] ('a=1',)\n"

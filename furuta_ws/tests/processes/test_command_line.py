@@ -3,10 +3,12 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import Any, cast
 
+import click
 import numpy as np
 import pytest
 
@@ -83,7 +85,13 @@ def test_simulate(furuta: Any, tmp_path: Path) -> None:
 FAILED = {
     "simulate --set sigma0=-1": "sigma0 must be 0.001 to 1e+09 V/rad, given -1",
     "simulate --params missing.yaml": "cannot read parameter file missing.yaml",
-    "simulate --rig Paper": "did you mean paper?",
+    "simulate --rig Papr": "did you mean paper?",
+    "simulate --rig qube": "did you mean qube_servo_2?",
+    "simulate --rig my_rig.yml": "no rig file my_rig.yml",
+    "simulate --set alpha0=21mV": "must be a number, given '21mV'; give it without a unit",
+    "simulate --set alpha0=0,3": "given '0,3'; write a decimal point, not a comma",
+    "sweep alpha0=0.1-0.3": "expected NAME=LOW:HIGH[:COUNT]",
+    "demo --out /proc/x": "cannot make the bag /proc/x/unfinished/bag",
     "simulate --compensation Lugre": "given 'Lugre'; did you mean lugre?",
     "simulate --compensation lugre --set compensation=none": "--compensation sets",
     "limit-cycle --law dahl --set plant.friction.law=lugre": "--law sets plant.friction.law",
@@ -93,8 +101,8 @@ FAILED = {
     "run --plant hardware": "no port given",
     "run --lockstep --record /proc/x": "cannot make the bag /proc/x: /proc/x: No such file",
     "run --processes --priority 10": "--processes cannot be combined",
-    "hw check --port /dev/nothing": "cannot open /dev/nothing",
-    "param defaults observer": "no node observer",
+    "hw check --port /dev/nothing": "cannot open /dev/nothing: No such file or directory; ",
+    "param defaults observer": "; did you mean friction_observer?",
     "linearize --nyquist --feedback nan 1 1 1": "four finite numbers",
     "limit-cycle --feedback 0 7 60 20 --figure x.png": "no limit cycle",
     "limit-cycle --over omega1=1:2 --over omega1=1:2": "two different parameters",
@@ -111,8 +119,13 @@ FAILED = {
     "export c --set mode=off --out new": "controller.mode must be one of balance, swing_up",
 }
 MISUSED = {
-    "simulat": "No such command 'simulat'. Did you mean 'simulate'?",
-    "simulate --second 3": "--seconds",
+    "simulat": "No such command 'simulat'; did you mean simulate?",
+    "simulate --second 3": "No such option '--second'; did you mean --seconds? (see",
+    "bag exprt x": "No such command 'exprt'; did you mean export?",
+    "simulate --seconds 0,5": "'0,5' is not a number; write a decimal point, not a comma",
+    "view --lockstep": "options of furuta run follow after --: furuta view -- --lockstep",
+    "view --rig paper": "options of furuta run follow after --: furuta view -- --rig NAME|FILE",
+    "tune --out x.png": "x.png does not end in .yaml",
     "simulate --seconds 10s": "'10s' is not a number; give it without a unit",
     "simulate --law LuGre": "'lugre', 'dahl', 'maxwell_slip'; did you mean lugre?",
     "simulate --out run.txt": "'--out': run.txt does not end in .csv, .parquet",
@@ -177,6 +190,37 @@ def test_a_name_that_means_several_parameters(furuta: Any) -> None:
     assert err == "alpha0=0.3 set plant.friction.alpha0, friction_observer.alpha0\n"
 
 
+def test_a_fall_is_said(furuta: Any) -> None:
+    """First: what is measured of a pendulum that lies says nothing."""
+    _, out, _ = furuta("simulate", "--seconds", "5", "--set", "plant.friction.alpha0=21")
+    first, _, table = out.replace("\n", " ").partition("mean nothing.")
+    assert first.startswith("The pendulum fell after 0.862 s: alpha0, 21 V, exceeds the drive's 10")
+    assert "fell                     yes" in table
+
+
+def commands(group: click.Group, *names: str) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+    """A group and all commands below it, with what one types for them."""
+    yield names, group
+    for name in group.list_commands(click.Context(group)):
+        each = group.get_command(click.Context(group), name)
+        assert each is not None
+        if isinstance(each, click.Group):
+            yield from commands(each, *names, name)
+        else:
+            yield (*names, name), each
+
+
+@pytest.mark.parametrize(("names", "command"), list(commands(main.furuta)), ids=str)
+def test_help_fits_a_terminal(names: tuple[str, ...], command: click.Command) -> None:
+    """Of 80 columns: nothing is cut, and a command is called so."""
+    context = click.Context(command, info_name=" ".join(names), terminal_width=80)
+    usage, *lines = command.get_help(context).splitlines()
+    assert usage.startswith("Usage: ")
+    assert not [line for line in lines if len(line) > 80 or line.endswith("...")]
+    assert "verb" not in " ".join(lines).lower()
+    assert not isinstance(command, click.Group) or "Commands:" in lines
+
+
 def test_node_refuses_bad_start(processes: Any) -> None:
     """An executable says why it does not start, without a traceback."""
     plant = executable("furuta_sim", "plant")
@@ -190,13 +234,15 @@ def test_node_refuses_bad_start(processes: Any) -> None:
 def test_param_verbs(furuta: Any, processes: Any) -> None:
     """Set, get and list on a running node, as ``ros2 param`` does."""
     processes.ready_node("friction_observer")
-    assert furuta("param", "set", "friction_observer", "sigma0", "90")[0] == 0
+    status, out, _ = furuta("param", "set", "friction_observer", "sigma0", "90")
+    assert (status, out) == (0, "friction_observer.sigma0 = 90.0\n")
     status, out, _ = furuta("param", "get", "friction_observer", "sigma0")
     assert (status, out.strip()) == (0, "90.0")
     for assignments, reason in (
         (("sigma0=-1", "alpha0=0.3"), "sigma0"),
+        (("sample_time", "0.01"), "fixed at start: furuta run --set sample_time=0.01"),
         (("sigma_0", "90"), "friction_observer has no parameter sigma_0; did you mean sigma0"),
-        (("sigma0", "200mV"), "sigma0 must be a number without a unit, given '200mV'"),
+        (("sigma0", "200mV"), "sigma0 must be a number, given '200mV'; give it without a unit"),
     ):
         status, _, err = furuta("param", "set", "friction_observer", *assignments)
         assert status == 1

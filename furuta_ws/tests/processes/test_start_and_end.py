@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +32,17 @@ from furuta_sim.plant_node import PlantNode
 PlantNode.destroy_node = lambda node: ctypes.PyDLL(None).pause()  # keeps Python's lock
 sys.argv = ["furuta", "run", "--lockstep", "--seconds", "1", "--record", sys.argv[1]]
 run_verb()
+"""
+SLOW_START = """
+import sys, time
+from furuta_ros.spinning import run_node
+
+def make():
+    print("starting", flush=True)
+    time.sleep(1000)
+
+sys.argv = ["slow"]
+run_node(make)
 """
 
 
@@ -91,6 +103,49 @@ def test_a_long_simulation_shows_its_progress_and_ends_at_once(processes: Any) -
         shown += os.read(terminal, 1000)
     os.close(terminal)
     assert (process.returncode, out) == (130, b"")
+
+
+def test_a_node_ends_while_it_starts(processes: Any) -> None:
+    """At once: who ends it does not wait until it has compiled."""
+    process = processes.start(sys.executable, "-c", SLOW_START)
+    assert process.stdout.readline() == "starting\n"
+    process.send_signal(signal.SIGTERM)
+    assert end_of(process) == (143, "", "")
+
+
+# What a terminal shows while a command works, which ends with this status.
+SHOWN = {
+    "simulate --seconds 30": (0, "simulating"),
+    "run --lockstep --seconds 0.1 --record bag": (0, "starting the nodes"),
+    "bag replay bag --rate 0": (0, "replaying"),
+    "bag export bag --out bag.csv": (0, "reading bag"),
+    "bag recover bag": (0, "recovering bag"),
+    "swing-up --starts 2": (0, "starting"),
+    "hw check --port mock --seconds 0.1": (0, "checking"),
+    "param get observer alpha0": (1, "looking for observer"),
+}
+
+
+def test_a_terminal_shows_what_is_done(tmp_path: Path) -> None:
+    """On standard error; in a pipe nothing."""
+    for command, (expected, text) in SHOWN.items():
+        terminal, inner = os.openpty()
+        process = subprocess.Popen(
+            [str(executable(*FURUTA)), *command.split()],
+            stdout=subprocess.PIPE,
+            stderr=inner,
+            cwd=tmp_path,
+            text=True,
+        )
+        os.close(inner)
+        shown = b""
+        with suppress(OSError):  # the end of a terminal
+            while data := os.read(terminal, 1000):
+                shown += data
+        os.close(terminal)
+        out, _ = process.communicate(timeout=TIMEOUT)
+        assert (process.returncode, text in shown.decode()) == (expected, True), command
+        assert text not in out
 
 
 def test_every_executable_starts_with_interrupts_blocked() -> None:

@@ -138,4 +138,9 @@ def _accumulate_series(sums: np.ndarray, state: np.ndarray) -> None:
 
 def fell(state: np.ndarray) -> bool:
     """Whether the pendulum was ever below the horizontal."""
-    return bool(np.any(np.abs(state[:, THETA]) > 0.5 * np.pi))
+    return bool(np.any(has_fallen(state)))
+
+
+def has_fallen(state: np.ndarray) -> np.ndarray:
+    """Where the pendulum is below the horizontal (n,), by its true state (n, 4)."""
+    return np.abs(state[:, THETA]) > 0.5 * np.pi

@@ -3,7 +3,6 @@
 import importlib
 import logging
 import sys
-from difflib import get_close_matches
 from importlib.metadata import packages_distributions, version
 from typing import Any
 
@@ -12,7 +11,7 @@ import click
 from furuta_bringup.options import HelpfulGroup
 from furuta_bringup.printing import print_in_any_encoding, printable
 from furuta_model.optional import missing
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, suggestion
 from furuta_ros.errors import UserError
 from furuta_ros.process import INTERRUPTED, end_with_parent, exit_on_interrupt
 
@@ -28,11 +27,11 @@ VERBS = {
     "linearize": "Linear model, poles, gain, margins; Nyquist plot; passivity.",
     "limit-cycle": "Limit cycle, exact or predicted; its branches and maps.",
     "export": "Export the tuned loop as C for a microcontroller.",
-    "axis": "Hunting of a servo axis with friction; which compensation helps.",
+    "axis": "Hunting of a servo axis with friction, and what helps.",
     "identify": "Identify a model from recordings.",
     "bag": "Show, export, recover and replay recorded bags.",
     "hw": "Commission a real rig, arm it, or emulate one.",
-    "param": "Read and set parameters of running nodes; print parameter files.",
+    "param": "Parameters of running nodes; parameter files.",
 }
 
 
@@ -79,18 +78,9 @@ class Verbs(HelpfulGroup):
         except ModuleNotFoundError as error:
             raise _explained(error, ctx.invoked_subcommand) from None
 
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The verb's name, its command and the other arguments; suggests a like one."""
-        similar = get_close_matches(args[0], VERBS, n=1)
-        if similar and args[0] not in VERBS:
-            ctx.fail(f"No such command {args[0]!r}. Did you mean {similar[0]!r}?")
-        return super().resolve_command(ctx, args)
-
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List all verbs without importing them."""
-        with formatter.section("Verbs"):
+        with formatter.section("Commands"):
             formatter.write_dl(list(VERBS.items()))
 
 
@@ -160,4 +150,7 @@ def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
     text = " ".join(error.format_message().split()).rstrip(".")
     context = getattr(error, "ctx", None)
+    if isinstance(error, click.NoSuchOption) and context:  # click's own suggests much
+        names = (name for each in context.command.get_params(context) for name in each.opts)
+        text = f"No such option {error.option_name!r}{suggestion(error.option_name, names)}"
     return f"{text} (see {context.command_path} --help)" if context else text

@@ -6,6 +6,7 @@ from typing import Any
 
 import click
 
+from furuta_model.parameters import number_hint
 from furuta_recordings.suffixes import SUFFIXES, TABLE_SUFFIXES
 
 # A file or directory that a verb reads or writes.
@@ -34,6 +35,7 @@ class OutputFile(click.Path):
 
 FIGURE_SUFFIXES = (".png", ".pdf", ".svg")
 FIGURE = OutputFile(*FIGURE_SUFFIXES)
+PARAMETER_FILE = OutputFile(".yaml", ".yml")
 TABLE = OutputFile(*TABLE_SUFFIXES)
 SERIES = OutputFile(*SUFFIXES)
 
@@ -48,7 +50,7 @@ class FiniteRange(click.FloatRange):
         try:
             float(value)
         except ValueError:
-            self.fail(f"{value!r} is not a number; give it without a unit.", param, ctx)
+            self.fail(f"{value!r} is not a number{number_hint(value)}.", param, ctx)
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)

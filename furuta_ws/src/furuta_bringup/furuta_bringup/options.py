@@ -37,6 +37,15 @@ class HelpfulGroup(click.Group):
             ctx.exit(2)
         return super().parse_args(ctx, args)
 
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command's name, the command and the other arguments; suggests like ones."""
+        known = self.list_commands(ctx)
+        if args[0] not in known and (near := suggestion(args[0], known)):
+            ctx.fail(f"No such command {args[0]!r}{near}")
+        return super().resolve_command(ctx, args)
+
 
 def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Function]:
     """An option whose help shows its default, if it has one."""
@@ -190,9 +199,9 @@ def joined_node(name: str, namespace: str) -> Iterator[tuple[Any, Any]]:
         tell_graph(namespace)
 
 
-def tell_graph(namespace: str) -> None:
+def tell_graph(namespace: str, what: str = "graph:") -> None:
     """Say on standard error which graph this process has joined."""
-    print(f"graph: namespace {namespace or '/'}, ROS domain {ros_domain()}", file=sys.stderr)
+    print(f"{what} namespace {namespace or '/'}, ROS domain {ros_domain()}", file=sys.stderr)
 
 
 def names_options(function: Function) -> Function:

@@ -7,7 +7,8 @@ import json
 import math
 import sys
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -136,3 +137,20 @@ def with_progress(
         for item in items:
             yield item
             progress.advance(task)
+
+
+@contextmanager
+def with_status(text: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """Show a text with a moving sign on the terminal during the ``with`` block.
+
+    The block gets a function that changes the text. It must not print a result: that is for
+    standard output.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    with Console(stderr=True).status(escape(text)) as status:
+        yield lambda text: status.update(escape(text))

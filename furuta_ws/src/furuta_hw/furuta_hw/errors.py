@@ -1,7 +1,7 @@
 """Errors of rigs, drivers and commissioning."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 
@@ -14,11 +14,15 @@ class LineError(RigError):
 
 
 @contextmanager
-def line_errors(what: str = "the line failed") -> Iterator[None]:
-    """Turn the system's errors and those of pyserial into :class:`LineError`, after ``what``."""
+def line_errors(what: str = "the line failed", remedy: Callable[[], str] = str) -> Iterator[None]:
+    """Turn the system's errors and those of pyserial into :class:`LineError`, after ``what``.
+
+    ``remedy`` gives the end of the message.
+    """
     try:
         yield
     except (OSError, TypeError, ValueError) as error:
         # The system's message: that of pyserial repeats the port.
         number = getattr(error, "errno", None)
-        raise LineError(f"{what}: {os.strerror(number) if number else error}") from None
+        reason = os.strerror(number) if number else error
+        raise LineError(f"{what}: {reason}{remedy()}") from None

@@ -12,6 +12,7 @@ names if the field is annotated with :data:`INLINE`.
 """
 
 import math
+import re
 import reprlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -23,6 +24,9 @@ from typing import Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_orig
 Group = TypeVar("Group", bound=NamedTuple)
 Design = TypeVar("Design", bound=Callable[..., Any])
 INLINE = "inline"
+# Most names that a message suggests, and how a text begins that is meant as a number.
+MOST_SUGGESTED = 3
+_NUMBER = re.compile(r"\s*[-+]?[.,]?\d")
 # Mark of a field of a design, ``Annotated[int, SELECTS]``: it selects what is computed.
 SELECTS = "selects"
 # Mark of a field whose zero means that a part is off; other values are numbers.
@@ -125,7 +129,9 @@ class Declared(NamedTuple):
         whole = self.kind is int
         if isinstance(value, bool) or not isinstance(value, int if whole else (int, float)):
             kind = "an integer" if whole else "a number"
-            raise ParameterError(f"{self.name} must be {kind}, given {shortened(value)}")
+            raise ParameterError(
+                f"{self.name} must be {kind}, given {shortened(value)}{number_hint(value)}"
+            )
         if abs(value) > LARGEST or math.isnan(value):
             raise ParameterError(f"{self.name} must be finite, given {shortened(value)}")
         if not about.low <= value <= about.high:
@@ -150,13 +156,24 @@ def shortened(value: Any) -> str:
 def suggestion(name: str, known: Iterable[str]) -> str:
     """The end of a message that suggests the names most like an unknown one; empty if none is.
 
-    Capitals do not count, and the last part of a dotted name may stand for it.
+    Those that begin with it come before others. Capitals and the dashes of options do not count,
+    and the last part of a dotted name may stand for it.
     """
-    names = list(known)
-    whole = {each.lower(): each for each in names}
+    whole = {each.lstrip("-").lower(): each for each in known}
     found = {each.rpartition(".")[2]: full for each, full in whole.items()} | whole
-    near = get_close_matches(name.rpartition(".")[2].lower(), found, n=3)
+    given = name.lstrip("-").rpartition(".")[2].lower()
+    begun = [each for each in found if given and each.startswith(given)][:MOST_SUGGESTED]
+    near = begun or get_close_matches(given, found, n=MOST_SUGGESTED)
     return f"; did you mean {', '.join(dict.fromkeys(found[each] for each in near))}?" * bool(near)
+
+
+def number_hint(given: Any) -> str:
+    """The end of a message on text that is no number: how to write it; empty if it is not near."""
+    if not isinstance(given, str) or not _NUMBER.match(given):
+        return ""
+    if re.fullmatch(r"\s*[-+]?\d*,\d+\s*", given):
+        return "; write a decimal point, not a comma"
+    return "; give it without a unit"
 
 
 def number_from_text(value: Any) -> Any:

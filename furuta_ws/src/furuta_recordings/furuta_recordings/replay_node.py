@@ -1,6 +1,6 @@
 """Node ``replay``: publishes the messages of a bag on their topics."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -27,6 +27,8 @@ SUBSCRIBER_TIMEOUT = 30.0
 CLOCK_TOPIC = "/clock"
 # Longest sleep [s] between two checks whether to stop.
 LONGEST_SLEEP = 0.1
+# Parts of the bag's time, after each of which its replay says how far it is.
+PARTS = 100
 
 
 class ReplayOptions(NamedTuple):
@@ -80,12 +82,13 @@ class ReplayNode(Node):
             )
         return {topic: t for topic, t in types.items() if not wanted or _absolute(topic) in wanted}
 
-    def play(self, stop: Callable[[], bool]) -> None:
-        """Publish everything, or until ``stop()``."""
+    def play(self, stop: Callable[[], bool]) -> Iterator[int]:
+        """Publish everything, or until ``stop()``; yields after each of the bag's :data:`PARTS`."""
         if self._options.wait:
             self._wait_for_subscribers(stop)
         with Bag(self._bag) as bag:
             chosen = [c for c in bag.connections if c.topic in self._topic_publishers]
+            part, played = max(1, int(bag.seconds * NANOSECONDS) // PARTS), 0
             for connection, time, data in bag.messages(chosen):
                 self._sleep_until_due(time, stop)
                 if stop():
@@ -98,6 +101,8 @@ class ReplayNode(Node):
                     reason = f"{connection.topic}: {first_line(error)}"
                     raise UserError(f"cannot replay {reason}") from None
                 self.published += 1
+                while played < min(PARTS, (time - bag.start) // part):
+                    yield (played := played + 1)
         for publisher in self._topic_publishers.values():
             publisher.wait_for_all_acked()
 

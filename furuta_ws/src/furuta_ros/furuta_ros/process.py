@@ -106,16 +106,19 @@ def end_with_parent() -> None:
 class StopSignal:
     """Becomes true when the process receives SIGINT or SIGTERM; it then ignores further ones.
 
-    Otherwise one that arrives while Python ends would kill the process.
+    Otherwise one that arrives while Python ends would kill the process. While it is ``at_once``, a
+    signal ends the process without more: a start can take longer than who ends a node waits.
     """
 
-    def __init__(self) -> None:
-        self._received = 0
+    def __init__(self, at_once: bool = False) -> None:
+        self._received, self.at_once = 0, at_once
         set_interrupt_handler(self._receive)
         signal.signal(signal.SIGTERM, self._receive)
 
     def _receive(self, number: int, frame: FrameType | None) -> None:
         self._received = self._received or number
+        if self.at_once:
+            os._exit(self.status)
 
     def __call__(self) -> bool:
         """Whether the process has received a signal to stop; for the main thread."""

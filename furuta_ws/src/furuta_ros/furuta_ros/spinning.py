@@ -125,7 +125,7 @@ def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
 
     The status is 0 if the node was ready, 130 if Ctrl-C ended it before, and 143 after SIGTERM.
     """
-    stop = StopSignal()
+    stop = StopSignal(at_once=True)
     given = own_arguments(sys.argv[1:])
     if given:
         program, shown = Path(sys.argv[0]).name, shortened(" ".join(given))
@@ -141,6 +141,7 @@ def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
 
 def _spin_node(make: Callable[[], FurutaNode[Any]], stop: StopSignal) -> int:
     node = make()
+    stop.at_once = False
     graph = node.context.get_domain_id(), node.get_namespace()
     with claim(*graph) if node.one_per_graph else nullcontext():
         executor = executor_of([node])

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from furuta.limit_cycles.rest_stability import FRICTIONLESS
-from furuta.oscillation import measure_oscillation
+from furuta.oscillation import has_fallen, measure_oscillation
 from furuta.outcomes import Outcome as Measured
 from furuta.results.result import Found, plain
 from furuta.results.table import Series
 from furuta.results.text import angle
 from furuta_model.friction.lugre import highest_level
-from furuta_model.state import RIGID_STATES, THETA
+from furuta_model.state import RIGID_STATES
 from furuta_recordings.series_columns import (
     COMMAND,
     ESTIMATED,
@@ -29,6 +29,8 @@ from furuta_recordings.series_columns import (
 from furuta_recordings.table_files import write_npz
 from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Loop, Record
+
+NO_MEANING = "The other values mean nothing."
 
 
 def swing_sentence(peak_to_peak: float, period: float, stuck: float) -> str:
@@ -53,7 +55,7 @@ class Outcome(Found):
     def sentence(self) -> str:
         """How the arm swings."""
         if self.found.fell:
-            return "The pendulum fell. The other values mean nothing."
+            return f"The pendulum fell. {NO_MEANING}"
         return swing_sentence(*self.found[:1], *self.found[2:4])
 
 
@@ -85,7 +87,7 @@ class Run(Found):
     @cached_property
     def fell_at(self) -> float:
         """When the pendulum was first below the horizontal [s]; NaN if never."""
-        below = np.flatnonzero(np.abs(self.found.state[:, THETA]) > 0.5 * np.pi)
+        below = np.flatnonzero(has_fallen(self.found.state))
         return float(below[0]) * self.found.sample_time if len(below) else float("nan")
 
     def to_dict(self) -> dict[str, Any]:
@@ -96,11 +98,18 @@ class Run(Found):
     def sentence(self) -> str:
         """How the arm swings in the second half, or when the pendulum fell."""
         if not np.isnan(self.fell_at):
-            return f"The pendulum fell after {self.fell_at:.3g} s. The other values mean nothing."
+            return f"The pendulum fell after {self.fell_at:.3g} s{self._why()}. {NO_MEANING}"
         swing, stuck = self._oscillation, self._oscillation["stuck_fraction"]
         return swing_sentence(
             swing["phi_peak_to_peak_rad"], swing["period_s"], 0.0 if np.isnan(stuck) else stuck
         )
+
+    def _why(self) -> str:
+        """Why the pendulum fell, if that is evident."""
+        friction = self.loop.plant.friction.parameters.alpha0
+        limit = self.loop.controller.voltage_limit
+        too_much = f": alpha0, {friction:g} V, exceeds the drive's {limit:g} V"
+        return too_much * (friction > limit)
 
     def series(self) -> Series:
         """The series as columns (n,), each with its unit in its name."""

@@ -13,7 +13,7 @@ from furuta.settings.parameter_names import parameters_named
 from furuta.settings.settings import Settings, loop_with
 from furuta.studies.ranges import parse_range
 from furuta_model.accepted_parts import accept_parts, accepted_parts
-from furuta_model.parameters import ParameterError, names_part
+from furuta_model.parameters import ParameterError, names_part, number_from_text
 from furuta_ros.errors import UserError
 from furuta_sim.simulation.closed_loop import Loop
 
@@ -41,22 +41,27 @@ class SweptParameter(NamedTuple):
 
 def parse_swept_parameter(text: str, default_count: int) -> SweptParameter:
     """Parse NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE,..."""
-    name, separator, rest = text.partition("=")
+    name, _, rest = text.partition("=")
     name = name.strip()
-    if not separator or not rest:
-        raise ParameterError(
-            "expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, such as alpha0=0.1:0.3:5, "
-            f"given {text!r}"
-        )
+    expected = ParameterError(
+        "expected NAME=LOW:HIGH[:COUNT] or NAME=VALUE,VALUE, such as alpha0=0.1:0.3:5, "
+        f"given {text!r}"
+    )
+    if not rest:
+        raise expected
     (_, first), *_ = parameters_named(name)
+    is_number = first.kind in (float, int)
     if ":" not in rest or (first.about.own and names_part(rest)):
-        return SweptParameter(name, tuple(rest.split(",")))
-    if first.kind not in (float, int):
+        values = tuple(rest.split(","))
+        if is_number and not all(isinstance(number_from_text(each), float) for each in values):
+            raise expected
+        return SweptParameter(name, values)
+    if not is_number:
         raise ParameterError(f"{name} has no range; list its values: {name}=VALUE,VALUE")
     integer = first.kind is int
-    _, values = parse_range(text, default_count)
-    numbers = dict.fromkeys(round(float(v)) if integer else float(v) for v in values)
-    return SweptParameter(name, tuple(numbers))
+    _, numbers = parse_range(text, default_count)
+    distinct = dict.fromkeys(round(float(v)) if integer else float(v) for v in numbers)
+    return SweptParameter(name, tuple(distinct))
 
 
 class Sweep(NamedTuple):

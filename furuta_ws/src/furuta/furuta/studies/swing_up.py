@@ -1,5 +1,6 @@
 """Swing-up on a rig: from random states, on plants that differ from its model, and after pushes."""
 
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from math import cos, pi, sqrt
 from typing import NamedTuple
@@ -91,10 +92,10 @@ def random_starts(loop: Loop, starts: int, seed: int) -> list[Loop]:
     return [_random_start(loop, generator, seed + k) for k in range(starts)]
 
 
-def run_starts(loops: list[Loop]) -> list[SwingUpRun]:
-    """Run the loops on all cores."""
+def run_starts(loops: list[Loop]) -> Iterator[SwingUpRun]:
+    """Run the loops on all cores; the results in order."""
     with ThreadPoolExecutor(available_cores()) as pool:
-        return list(pool.map(_run, loops))
+        yield from pool.map(_run, loops)
 
 
 def summary(runs: list[SwingUpRun]) -> StartResults:

@@ -107,14 +107,14 @@ def plan_graph(
     return Graph(controlled, options.without, settings, namespace)
 
 
-def tell_running(graph: Graph) -> None:
+def tell_running(graph: Graph, state: str = "running") -> None:
     """Say on standard error which graph runs, what ends it and what shows it."""
     settings = graph.settings[graph.controlled]
     clock = "lock-step" if settings.get("clock") == "lockstep" else "real time"
     what = "hardware bridge" if graph.controlled == HARDWARE_BRIDGE else f"simulation in {clock}"
     print(
-        f"running: {what}, namespace {graph.namespace or '/'}, ROS domain {ros_domain()}; Ctrl-C "
-        f"ends it, {view_command(graph.namespace)} shows it",
+        f"{state}: {what}, namespace {graph.namespace or '/'}, ROS domain {ros_domain()}; "
+        f"Ctrl-C ends it, {view_command(graph.namespace)} shows it",
         file=sys.stderr,
     )
 

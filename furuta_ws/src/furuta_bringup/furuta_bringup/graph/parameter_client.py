@@ -39,14 +39,18 @@ class ParameterClient:
             node, "set_parameters_atomically", SetParametersAtomically, request
         )
         if not response.result.successful:
-            raise ServiceError(self._rejection(node, list(values), response.result.reason))
+            raise ServiceError(self._rejection(node, values, response.result.reason))
 
-    def _rejection(self, node: str, names: list[str], reason: str) -> str:
+    def _rejection(self, node: str, values: dict[str, Any], reason: str) -> str:
         """Why a node rejected parameters; rclpy itself does not name an undeclared one."""
-        unknown = self._unknown(node, names)
+        unknown = self._unknown(node, list(values))
         if unknown and "undeclared" in reason:
             return unknown
-        return f"{node} rejects {', '.join(names)}: {reason}"
+        _, is_fixed, fixed = reason.partition("read-only parameter: ")
+        if is_fixed:
+            name = fixed.rstrip(".")
+            return f"{node}.{name} is fixed at start: furuta run --set {name}={values[name]}"
+        return f"{node} rejects {', '.join(values)}: {reason}"
 
     def _unknown(self, node: str, names: list[str]) -> str:
         """Which of the names a node does not have, and what is like them; empty if it has all."""

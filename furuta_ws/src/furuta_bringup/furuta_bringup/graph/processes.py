@@ -98,7 +98,7 @@ def _run(graph: Graph, stop: StopSignal, recorder: RecorderNode | None = None) -
     try:
         for node in node_processes(graph):
             started.start(node.name, node.command)
-        tell_running(graph)
+        tell_running(graph, "starting, each node says when it is ready")
         while not (stop() or started.any_has_ended()):
             collect()
             sleep(CHECK_PERIOD)

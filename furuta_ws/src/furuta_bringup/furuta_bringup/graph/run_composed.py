@@ -6,9 +6,11 @@ from contextlib import contextmanager
 from time import monotonic
 from typing import TypeVar
 
+from furuta.settings.nodes import PLANT
 from furuta_bringup.graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_bringup.graph.graph_plan import Graph, tell_running
 from furuta_bringup.graph.scheduling import Scheduling, apply_scheduling
+from furuta_bringup.printing import with_status
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_recordings.recorder_node import MakeRecorder
 from furuta_ros.errors import UserError
@@ -32,7 +34,10 @@ def run_simulated(
     with _running(SimulatedGraph, graph, record, scheduling) as running:
         stop, plant = StopSignal(), running.plant
         tell_running(graph)
-        spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
+        # In real time nothing else may take the processor.
+        quiet = seconds is None or graph.settings[PLANT].get("clock") != "lockstep"
+        with with_status(f"simulating {seconds} s", quiet):
+            spin_until(running.executor, lambda: stop() or (seconds is not None and plant.paused))
         print(plant.summary())
 
 
@@ -99,7 +104,8 @@ def _running(
     for result in apply_scheduling(scheduling):
         print(result)
     with ros_context(namespace=graph.namespace):
-        composed = make(graph.settings, record=record, without=graph.without)
+        with with_status("starting the nodes"):
+            composed = make(graph.settings, record=record, without=graph.without)
         try:
             yield composed
         finally:

@@ -8,6 +8,7 @@ from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.task import Future
 
+from furuta_model.parameters import suggestion
 from furuta_ros.errors import UserError
 
 # Longest wait for a service [s].
@@ -75,15 +76,17 @@ class ServiceCaller:
 
     def _other_nodes(self, node: str) -> str:
         """The nodes of this name in all namespaces, or else all that run."""
+        bare = node.rpartition("/")[2]
         names = sorted(
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in self._node.get_node_names_and_namespaces()
             if name != self._node.get_name()
         )
-        same = [name for name in names if name.endswith(f"/{node.rpartition('/')[2]}")]
+        same = [name for name in names if name.endswith(f"/{bare}")]
         if same:
             return f"in other namespaces: {', '.join(same)} (--namespace)"
-        return f"nodes are {', '.join(names)}" if names else "no node is running"
+        near = suggestion(bare, (name.rpartition("/")[2] for name in names))
+        return f"nodes are {', '.join(names)}{near}" if names else "no node is running"
 
 
 def _pass_on(answered: Future, response: Future) -> None:

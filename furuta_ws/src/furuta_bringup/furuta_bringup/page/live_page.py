@@ -55,7 +55,7 @@ def run_page(server: PageServer, namespace: str, opens: bool) -> None:
     server.announce(opens)
     with ExitStack() as ros:
         ros.enter_context(ros_context(namespace=namespace))
-        tell_graph(namespace)
+        tell_graph(namespace, "waiting for a graph in")
         page = LivePage(server, namespace)
         try:
             asyncio.run(page.run(stop))
@@ -130,7 +130,7 @@ class LivePage:
         if number % STATUS_EVERY == 0:
             self._server.tell(status=self._status())
         if number == MISSING and not self._nodes.running:
-            wish = f"waiting for a graph; this starts one: {start_command(self._namespace)}"
+            wish = f"no graph yet; this starts one: {start_command(self._namespace)}"
             print(wish, file=sys.stderr, flush=True)
 
     def _zero(self, first: float) -> float:

@@ -7,7 +7,7 @@ import click
 
 from furuta_bringup.option_types import PATH, SERIES, FiniteRange
 from furuta_bringup.options import HelpfulGroup, figure_option, json_option, names_options, option
-from furuta_bringup.printing import draw, show
+from furuta_bringup.printing import draw, show, with_progress, with_status
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
@@ -58,14 +58,17 @@ def export(bag: Path, out: Path | None, figure: Path | None, names: Mapping, as_
 
     if out is None and figure is None:
         raise click.UsageError("give --out FILE or --figure FILE")
-    series, findings = series_with_findings(bag, names)
     files = {}
-    if out is not None:
-        series.write(out)
-        files["file"] = str(out)
-    if figure is not None:
-        draw(series, figure)
-        files["figure"] = str(figure)
+    with with_status(f"reading {bag}", as_json) as tell:
+        series, findings = series_with_findings(bag, names)
+        if out is not None:
+            tell(f"writing {out}")
+            series.write(out)
+            files["file"] = str(out)
+        if figure is not None:
+            tell(f"drawing {figure}")
+            draw(series, figure)
+            files["figure"] = str(figure)
     about = {"rows": series.rows, "columns": list(series), "findings": findings}
     show(files | about, as_json)
 
@@ -75,13 +78,18 @@ def export(bag: Path, out: Path | None, figure: Path | None, names: Mapping, as_
 @option("--out", type=PATH, metavar="BAG", help="New bag; default: BAG_recovered.")
 @json_option
 def recover(bag: Path, out: Path | None, as_json: bool) -> None:
-    """Copy all complete messages of an MCAP bag into a new bag; BAG is not changed."""
+    """Copy all complete messages of an MCAP bag into a new bag.
+
+    BAG is not changed.
+    """
     from furuta_recordings.bags.recovery import recover as recover_bag
 
     if not bag.exists():
         raise ParameterError(f"no bag {bag}")
     named = bag if bag.name else bag.resolve()  # the name of . is empty
-    show(recover_bag(bag, out or named.parent / f"{named.stem}_recovered"), as_json)
+    with with_status(f"recovering {bag}", as_json):
+        result = recover_bag(bag, out or named.parent / f"{named.stem}_recovered")
+    show(result, as_json)
 
 
 def _remappings(
@@ -124,13 +132,14 @@ def replay(
     as_json: bool,
 ) -> None:
     """Publish the messages of BAG with their original timing."""
-    from furuta_recordings.replay_node import ReplayNode, ReplayOptions
+    from furuta_recordings.replay_node import PARTS, ReplayNode, ReplayOptions
     from furuta_ros.process import StopSignal, bounded_end
     from furuta_ros.spinning import ros_context
 
     with ros_context():
         node = ReplayNode(bag, ReplayOptions(rate, topics, remap, clock, wait))
-        node.play(StopSignal())
+        for _ in with_progress("replaying", node.play(StopSignal()), PARTS, as_json):
+            pass
         show({"published": node.published, "latest_s": node.latest}, as_json)
         with bounded_end(0):
             node.destroy_node()

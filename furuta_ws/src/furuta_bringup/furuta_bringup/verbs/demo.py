@@ -9,7 +9,7 @@ import click
 
 from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
-from furuta_bringup.printing import print_json, show
+from furuta_bringup.printing import print_json, print_table, show, with_progress, with_status
 from furuta_ros.whole_files import whole_file
 
 TITLE = "limit cycle, peak to peak, last quarter of each phase"
@@ -50,7 +50,6 @@ def command(
     the compensator and switch between the compensations.
     """
     from furuta.settings.settings import load_settings
-    from furuta_bringup.printing import print_table
 
     settings = load_settings(files, assignments)
     summary = _run(settings, seconds, directory, quiet=as_json)
@@ -64,22 +63,21 @@ def command(
 
 
 def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
-    from rich.console import Console
-
-    from furuta.figures.series import draw_demo
-    from furuta.settings.settings import loop
-    from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
-    from furuta_bringup.demo_run import run_demo
-    from furuta_bringup.printing import with_progress
-    from furuta_bringup.warm_up import compile_nodes, workers
-    from furuta_recordings.bags.recorded_loop import read_recorded_run
-    from furuta_ros.spinning import ros_context
+    with with_status("loading", quiet):
+        from furuta.figures.series import draw_demo
+        from furuta.settings.settings import loop
+        from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
+        from furuta_bringup.demo_run import run_demo
+        from furuta_bringup.warm_up import compile_nodes, workers
+        from furuta_recordings.bags.recorded_loop import read_recorded_run
+        from furuta_recordings.bags.writer import check_new_bag
+        from furuta_ros.spinning import ros_context
 
     # An interrupted demo leaves the results of an earlier one as they were.
     bag, new = directory / "bag", directory / "unfinished" / "bag"
     _check(bag)
     _clear(new)
-    console = Console(stderr=True, quiet=quiet)
+    check_new_bag(new)
     with workers() as pool:
         # In a simulation, which has the numbers of the graph; the first phases run meanwhile.
         tuning = pool.submit(tuned_sigma1, loop(settings))
@@ -87,7 +85,7 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
         with ros_context(private=True):
             running = run_demo(settings, tuning.result, seconds, new)
             phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
-    with console.status("reading the bag, drawing"):
+    with with_status("reading the bag, drawing", quiet):
         _clear(bag)
         new.rename(bag)
         new.parent.rmdir()

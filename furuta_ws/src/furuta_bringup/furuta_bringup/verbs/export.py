@@ -9,7 +9,7 @@ import click
 
 from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import HelpfulGroup, json_option, model_options
-from furuta_bringup.printing import print_file, show
+from furuta_bringup.printing import print_file, show, with_status
 
 if TYPE_CHECKING:
     from furuta_hw.rigs.rig import Rig
@@ -60,14 +60,16 @@ def c(
             raise click.UsageError("--axis takes all parameters from its file")
         given = read_joint_file(joints, joint)
         about = f"Joint {given.joint} of {joints.name}. V is the unit of its effort."
-        written = export_c(given, out, single=single, origin=about)
+        with with_status("translating into C", as_json):
+            written = export_c(given, out, single=single, origin=about)
     elif joint is not None:
         raise click.UsageError("--joint needs --axis FILE")
     else:
         rig, origin = _described(files)
         about = " ".join(["Control system of the Furuta pendulum.", *origin, *assignments])
         loop = make_loop(assignments, files=files)
-        written = export_c(loop, out, rig=rig, single=single, origin=about)
+        with with_status("translating into C", as_json):
+            written = export_c(loop, out, rig=rig, single=single, origin=about)
     show(written, as_json)
 
 
@@ -82,10 +84,10 @@ def _described(files: tuple[Path, ...]) -> tuple[Rig | None, list[str]]:
     return rig, list(map(_origin, given.items()))
 
 
-def _joint_command(form: str, about: str) -> None:
+def _joint_command(form: str, name: str, friction: str) -> None:
     """Add the command that writes a joint in a format."""
 
-    @command.command(form, help=f"Write an identified joint as {about}.")
+    @command.command(form, help=f"Write an identified joint as {name}.\n\n{friction}")
     @click.option(
         "--axis",
         "path",
@@ -123,9 +125,9 @@ def _joint_command(form: str, about: str) -> None:
         )(write)
 
 
-_joint_command("urdf", "URDF, with Coulomb and viscous friction")
-_joint_command("sdf", "SDF for Gazebo, with Coulomb and viscous friction")
-_joint_command("mjcf", "MJCF for MuJoCo, with Coulomb or LuGre friction")
+_joint_command("urdf", "URDF", "Its friction is Coulomb and viscous.")
+_joint_command("sdf", "SDF for Gazebo", "Its friction is Coulomb and viscous.")
+_joint_command("mjcf", "MJCF for MuJoCo", "Its friction is Coulomb or LuGre.")
 
 
 def _origin(given: tuple[Path, Any]) -> str:

@@ -19,7 +19,7 @@ from furuta_bringup.options import (
     option,
     own_parts_option,
 )
-from furuta_bringup.printing import print_json, show
+from furuta_bringup.printing import print_json, show, with_status
 from furuta_hw.commissioning import RAMP_RATE
 from furuta_hw.errors import RigError
 from furuta_ros.errors import UserError
@@ -89,9 +89,12 @@ def _open_rig(port: str, name: str) -> Iterator[RigSession]:
 @option("--seconds", type=SECONDS, default=3.0, help="Duration of the check.")
 @json_option
 def check(port: str, name: str, seconds: float, as_json: bool) -> None:
-    """Check the serial line: handshake, sample rate, lost and corrupt frames. Drives nothing."""
+    """Check the serial line. Drives nothing.
+
+    Measures the handshake and the sample rate, and counts lost and corrupt frames.
+    """
     started = perf_counter()
-    with _open_rig(port, name) as session:
+    with with_status("checking", as_json), _open_rig(port, name) as session:
         handshake = perf_counter() - started
         started = perf_counter()
         samples = sum(1 for _ in session.samples(seconds))
@@ -160,10 +163,13 @@ def _summary(samples: list[RigSample]) -> dict[str, Any]:
 @option("--hanging", is_flag=True, help="The pendulum hangs; its sensor must cover that angle.")
 @json_option
 def zero(port: str, name: str, seconds: float, hanging: bool, as_json: bool) -> None:
-    """Measure the zeros while the pendulum is held upright (or hangs) and the arm is at rest."""
+    """Measure the zeros of the sensors.
+
+    Meanwhile hold the pendulum upright, or let it hang with --hanging, and the arm at rest.
+    """
     from furuta_hw.commissioning.sensors import find_zeros
 
-    with _open_rig(port, name) as session:
+    with with_status("reading", as_json), _open_rig(port, name) as session:
         zeros = find_zeros(list(session.samples(seconds)), session.rig, hanging)
     show(zeros, as_json)
 
@@ -176,7 +182,7 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
     """Determine the signs of the sensors by a small arm motion. DRIVES THE ARM, within limits."""
     from furuta_hw.commissioning.sensors import find_signs
 
-    with _open_rig(port, name) as session:
+    with with_status("driving the arm", as_json), _open_rig(port, name) as session:
         result = session.drive(find_signs(session.rig, voltage), voltage, arm_range)
     show({f"{sensor}.sign": sign for sensor, sign in result._asdict().items()}, as_json)
 
@@ -200,15 +206,13 @@ def friction(
 
     The pendulum must hang at rest or be removed. This takes one to two minutes.
     """
-    from rich.console import Console
-
     from furuta_hw.commissioning.friction import check_arm_range, check_hanging, measure_friction
 
-    with _open_rig(port, name) as session, Console(stderr=True).status("reading") as status:
+    with with_status("reading", as_json) as tell, _open_rig(port, name) as session:
         check_arm_range(session.rig, arm_range)
         if not removed:
             check_hanging(list(session.samples(REST_SECONDS)))
-        experiment = measure_friction(session.rig, rate, status.update, voltage)
+        experiment = measure_friction(session.rig, rate, tell, voltage)
         levels = session.drive(experiment, voltage, arm_range)
     derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
     show(levels._asdict() | derived, as_json)
@@ -216,10 +220,11 @@ def friction(
 
 @contextmanager
 def _bridge_client(namespace: str) -> Iterator[BridgeClient]:
-    from furuta_bringup.graph.system_client import BridgeClient
+    with with_status("asking the bridge"):
+        from furuta_bringup.graph.system_client import BridgeClient
 
-    with joined_node("furuta_hw", namespace) as joined:
-        yield BridgeClient(*joined)
+        with joined_node("furuta_hw", namespace) as joined:
+            yield BridgeClient(*joined)
 
 
 @command.command()
@@ -232,7 +237,7 @@ def arm(namespace: str) -> None:
     """
     with _bridge_client(namespace) as client:
         client.arm_and_watch()
-        print("armed")
+    print("armed")
 
 
 @command.command()
@@ -241,7 +246,7 @@ def disarm(namespace: str) -> None:
     """Disarm the bridge: the rig goes to 0 V."""
     with _bridge_client(namespace) as client:
         client.disarm()
-        print("disarmed, 0 V")
+    print("disarmed, 0 V")
 
 
 @command.command()
@@ -252,7 +257,8 @@ def state(transition: str | None, namespace: str) -> None:
     with _bridge_client(namespace) as client:
         if transition:
             client.change_state(transition)
-        print(client.state())
+        now = client.state()
+    print(now)
 
 
 @command.command("rig")
@@ -278,7 +284,7 @@ def show_rig(name: str, as_json: bool) -> None:
 @command.command(context_settings={"ignore_unknown_options": True, "help_option_names": []})
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def emulate(arguments: tuple[str, ...]) -> None:
-    """Run an emulated rig on a pseudo-terminal; --help lists its options."""
+    """Run an emulated rig; --help lists its options."""
     from furuta_bringup.graph.processes import executable
 
     path = executable("furuta_hw", "rig_emulator")

@@ -86,7 +86,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     help="Draw the arm's friction over speed, and its angle, measured and fitted.",
 )
 @option(
-    "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other verbs."
+    "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other commands."
 )
 @option(
     "--rig",

@@ -11,8 +11,14 @@ import click
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.options import HelpfulGroup, joined_node, json_option, namespace_option
-from furuta_bringup.printing import print_file, print_json
-from furuta_model.parameters import ParameterError, number_from_text, shortened
+from furuta_bringup.printing import print_file, print_json, with_status
+from furuta_model.parameters import (
+    ParameterError,
+    number_from_text,
+    number_hint,
+    shortened,
+    suggestion,
+)
 
 if TYPE_CHECKING:
     from furuta_bringup.graph.parameter_client import ParameterClient
@@ -37,11 +43,12 @@ node_argument = click.argument("node", callback=_node_name)
 
 
 @contextmanager
-def _client(namespace: str) -> Iterator[ParameterClient]:
-    from furuta_bringup.graph.parameter_client import ParameterClient
+def _client(node: str, namespace: str, quiet: bool = False) -> Iterator[ParameterClient]:
+    with with_status(f"looking for {node}", quiet):
+        from furuta_bringup.graph.parameter_client import ParameterClient
 
-    with joined_node("furuta_param", namespace) as joined:
-        yield ParameterClient(*joined)
+        with joined_node("furuta_param", namespace) as joined:
+            yield ParameterClient(*joined)
 
 
 @command.command("list")
@@ -50,7 +57,7 @@ def _client(namespace: str) -> Iterator[ParameterClient]:
 @json_option
 def list_(node: str, namespace: str, as_json: bool) -> None:
     """List the parameters of NODE with their values."""
-    with _client(namespace) as client:
+    with _client(node, namespace, as_json) as client:
         values = client.get(node, client.names(node))
     if as_json:
         print_json({name: _plain(value) for name, value in values.items()})
@@ -66,7 +73,7 @@ def list_(node: str, namespace: str, as_json: bool) -> None:
 @json_option
 def get(node: str, name: str, namespace: str, as_json: bool) -> None:
     """Print the value of one parameter."""
-    with _client(namespace) as client:
+    with _client(node, namespace, as_json) as client:
         value = _plain(client.get(node, [name])[name])
     if as_json:
         print_json({name: value})
@@ -80,7 +87,7 @@ def get(node: str, name: str, namespace: str, as_json: bool) -> None:
 @click.argument("assignments", nargs=-1, required=True, metavar="NAME VALUE | NAME=VALUE ...")
 @namespace_option
 def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
-    """Set one parameter of NODE (NAME VALUE) or several (NAME=VALUE ...): all of them or none."""
+    """Set one parameter of NODE, or several: all or none."""
     pairs = (
         [assignments]
         if len(assignments) == 2 and "=" not in assignments[0]
@@ -88,8 +95,11 @@ def set_(node: str, assignments: tuple[str, ...], namespace: str) -> None:
     )
     if any(len(pair) != 2 or pair[0].startswith("-") for pair in pairs):
         raise click.UsageError("expected NAME VALUE, or NAME=VALUE, such as omega1=7")
-    with _client(namespace) as client:
-        client.set_all(node, {name: _value(client, node, name, text) for name, text in pairs})
+    with _client(node, namespace) as client:
+        values = {name: _value(client, node, name, text) for name, text in pairs}
+        client.set_all(node, values)
+    for name, value in values.items():
+        print(f"{node}.{name} = {_plain(value)}")
 
 
 def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
@@ -116,18 +126,25 @@ def _value(client: ParameterClient, node: str, name: str, text: str) -> Any:
 def _double(name: str, value: Any) -> float:
     number = number_from_text(value)
     if isinstance(number, bool) or not isinstance(number, (int, float)):
-        raise ParameterError(f"{name} must be a number without a unit, given {shortened(value)}")
+        raise ParameterError(
+            f"{name} must be a number, given {shortened(value)}{number_hint(value)}"
+        )
     return float(number)
 
 
 @command.command()
 @click.argument("node", required=False)
 def defaults(node: str | None) -> None:
-    """Print a parameter file with the defaults of NODE, or of all nodes."""
+    """Print a parameter file with the defaults of NODE.
+
+    Without NODE it has those of all nodes.
+    """
     from furuta_bringup.parameter_files import parameter_file
 
     if node is not None and node not in NODES:
-        raise ParameterError(f"no node {node}; nodes are {', '.join(NODES)}")
+        raise ParameterError(
+            f"no node {node}; nodes are {', '.join(NODES)}{suggestion(node, NODES)}"
+        )
     print_file("\n".join(parameter_file(name) for name in ([node] if node else NODES)))
 
 

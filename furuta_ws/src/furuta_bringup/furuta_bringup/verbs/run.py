@@ -13,6 +13,7 @@ from furuta.settings.nodes import HARDWARE_BRIDGE, NODES
 from furuta_bringup.graph.scheduling import Scheduling
 from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
+from furuta_bringup.printing import with_status
 from furuta_model.parameters import ParameterError
 
 if TYPE_CHECKING:
@@ -70,19 +71,20 @@ def command(
 
     With --priority or --lock-memory, the command first prints whether the system granted it.
     """
-    from furuta_bringup.graph.processes import run_processes
-    from furuta_bringup.graph.run_composed import run_hardware, run_simulated
-    from furuta_ros.process import StopSignal
-
     scheduling = Scheduling(priority or 0, lock_memory)
     if processes and (seconds is not None or scheduling != Scheduling()):
         raise ParameterError(
             "--processes cannot be combined with --seconds, --priority or --lock-memory"
         )
-    graph = planned_graph(seconds=seconds, **graph_options)
-    hardware = graph.controlled == HARDWARE_BRIDGE
-    lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
-    recorder = _recorder(record, topics, graph, stamped=lockstep)
+    with with_status("loading"):
+        from furuta_bringup.graph.processes import run_processes
+        from furuta_bringup.graph.run_composed import run_hardware, run_simulated
+        from furuta_ros.process import StopSignal
+
+        graph = planned_graph(seconds=seconds, **graph_options)
+        hardware = graph.controlled == HARDWARE_BRIDGE
+        lockstep = not hardware and graph.settings["plant"].get("clock") == "lockstep"
+        recorder = _recorder(record, topics, graph, stamped=lockstep)
     if processes:
         sys.exit(run_processes(graph, StopSignal(), recorder))
     if hardware:

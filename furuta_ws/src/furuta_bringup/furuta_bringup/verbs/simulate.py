@@ -16,14 +16,11 @@ from furuta_bringup.options import (
     model_options,
     option,
 )
-from furuta_bringup.printing import bar, show
-
-# A run up to this time [s] takes a fraction of a second, too short for a bar.
-SECONDS = 60.0
+from furuta_bringup.printing import bar, show, with_status
 
 
 @click.command()
-@option("--seconds", type=SIMULATED_SECONDS, default=SECONDS, help="Simulated time [s].")
+@option("--seconds", type=SIMULATED_SECONDS, default=60.0, help="Simulated time [s].")
 @option(
     "--compensation",
     metavar="NAME",
@@ -64,16 +61,16 @@ def command(
         options["--compensation"] = f"friction_observer.compensation={compensation}"
     if ideal_sensors:
         options["--ideal-sensors"] = "sensors.ideal=true"
-        # The motion of the ideal loop may be a rotation, and its feedback is linear.
+        # The arm may turn for ever, and its feedback is linear.
         limits = ("angle", "error", "speed")
         first = [f"controller.arm_{limit}_limit={LARGEST_VALUE}" for limit in limits]
     if seed is not None:
         options["--seed"] = f"plant.seed={seed}"
     require_agreement(assignments, options)
-    loop = make_loop([*first, *assignments, *options.values()], files=files)
-    quiet = as_json or seconds <= SECONDS
+    with with_status("loading", as_json):
+        loop = make_loop([*first, *assignments, *options.values()], files=files)
     began = perf_counter()
-    run = simulate(loop, seconds, progress=bar("simulating", quiet))
+    run = simulate(loop, seconds, progress=bar("simulating", as_json))
     wall_seconds = perf_counter() - began
     if out is not None:
         run.write(out)

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from furuta_bringup.options import SEED, json_option, option, parameter_options
-from furuta_bringup.printing import show
+from furuta_bringup.printing import show, with_progress, with_status
 
 DEFAULT_RIG = "paper_full_turn"
 
@@ -37,10 +37,12 @@ def command(
     from furuta.studies import swing_up
     from furuta_hw.rigs.known_rigs import find_rig
 
-    given = load_settings(files, assignments, swing_up.swing_up_settings(find_rig(rig)))
-    nominal = loop(given)
-    runs = swing_up.run_starts(swing_up.random_starts(nominal, starts, seed))
-    report = swing_up.summary(runs)._asdict()
+    with with_status("loading", as_json):
+        given = load_settings(files, assignments, swing_up.swing_up_settings(find_rig(rig)))
+        nominal = loop(given)
+        drawn = swing_up.random_starts(nominal, starts, seed)
+    runs = swing_up.run_starts(drawn)
+    report = swing_up.summary(list(with_progress("starting", runs, starts, as_json)))._asdict()
     if knocks:
         report |= swing_up.run_knocks(nominal)._asdict()
     show(report, as_json)

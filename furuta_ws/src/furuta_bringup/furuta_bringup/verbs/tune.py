@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from furuta.studies.tuning_plan import TuningPlan
-from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
+from furuta_bringup.option_types import FIGURE, PARAMETER_FILE, FiniteRange
 from furuta_bringup.options import (
     SIMULATED_SECONDS,
     joined_node,
@@ -17,7 +18,7 @@ from furuta_bringup.options import (
     namespace_option,
     option,
 )
-from furuta_bringup.printing import print_json, show
+from furuta_bringup.printing import print_json, show, with_status
 from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 from furuta_ros.whole_files import whole_file
@@ -62,7 +63,7 @@ GUARD = FiniteRange(0, min_open=True)
     default=DEFAULT.pendulum_guard,
     help="Largest angle of the pendulum [rad].",
 )
-@option("--out", type=PATH, metavar="FILE.yaml", help="Write the parameters to a parameter file.")
+@option("--out", type=PARAMETER_FILE, help="Write the parameters to a parameter file.")
 @option("--figure", type=FIGURE, help="Draw the swing over bandwidth and lag.")
 @model_options
 @json_option
@@ -96,11 +97,12 @@ def command(
         raise ParameterError("--running cannot be combined with --rig, --params or --set")
     if (namespace or follow) and not running:
         raise ParameterError(f"--{'namespace' if namespace else 'follow'} needs --running")
-    report = _reporter(quiet=as_json)
-    if running:
-        result = _tune_running(plan, namespace, report, follow)
-    else:
-        result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
+    report = _quiet if as_json else _report
+    with with_status("tuning", as_json):
+        if running:
+            result = _tune_running(plan, namespace, report, follow)
+        else:
+            result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
     tuned = result.as_json()
     if out is not None:
         import yaml
@@ -141,12 +143,9 @@ def _tune_running(
             raise UserError("interrupted; the initial parameters are restored") from None
 
 
-def _reporter(quiet: bool) -> ProgressCallback:
-    from rich.console import Console
+def _report(message: str, seconds: float) -> None:
+    print(f"{seconds:6.1f} s  {message}", file=sys.stderr)
 
-    console = Console(stderr=True, quiet=quiet)
 
-    def report(message: str, seconds: float) -> None:
-        console.print(f"{seconds:6.1f} s  {message}", markup=False, highlight=False)
-
-    return report
+def _quiet(message: str, seconds: float) -> None:
+    """Report nothing."""

@@ -9,6 +9,7 @@ import click
 from furuta.settings.nodes import PLANT
 from furuta_bringup.graph.scheduling import may_have_priority
 from furuta_bringup.options import namespace_option, option, own_parts_option
+from furuta_bringup.printing import with_status
 from furuta_model.accepted_parts import accepted_parts
 from furuta_model.parameters import ParameterError
 
@@ -20,13 +21,32 @@ PRIORITY = 80
 NOT_IN_TIME = ("--lockstep", "--processes", "--priority")
 
 
-@click.command()
+class _WithRunOptions(click.Command):
+    """Says where options of ``furuta run`` belong."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """The arguments that are left."""
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            from furuta_bringup.verbs import run
+
+            named = [each for each in run.command.params if error.option_name in each.opts]
+            if not named:
+                raise
+            is_flag = getattr(named[0], "is_flag", False)
+            value = "" if is_flag else f" {named[0].metavar or 'VALUE'}"
+            example = f"furuta view -- {error.option_name}{value}"
+            ctx.fail(f"options of furuta run follow after --: {example}")
+
+
+@click.command(cls=_WithRunOptions)
 @option("--attach", is_flag=True, help="Show a graph that runs already; start none.")
 @option("--no-open", is_flag=True, help="Open no browser.")
 @option("--port", type=click.IntRange(1, 65535), help="Port of the page; default: from 8080.")
 @namespace_option
 @own_parts_option
-@click.argument("options", nargs=-1, type=click.UNPROCESSED)
+@click.argument("options", nargs=-1, type=click.UNPROCESSED, metavar="[-- RUN_OPTIONS]")
 def command(
     attach: bool,
     no_open: bool,
@@ -68,11 +88,12 @@ def command(
     )
     assert shown.stdout is not None
     try:
-        settings = run.planned_graph(**chosen).settings  # while the page starts
+        with with_status("starting"):
+            settings = run.planned_graph(**chosen).settings  # while the page starts
+            address = shown.stdout.readline()
     except ParameterError:
         shown.terminate()
         raise
-    address = shown.stdout.readline()
     if not address:  # the page has failed, and has said why
         sys.exit(shown.wait())
     print(address, end="", flush=True)

@@ -23,11 +23,16 @@ def rig_directory() -> Path:
 def rig_file(name: str) -> Path:
     """The file of a rig, by its path or by the name of one that comes with the workspace.
 
-    What has a slash or ends in .yaml or .yml is a path, whether there is a file or not.
+    What has a slash or ends in .yaml or .yml is a path.
+
+    Raises:
+        ParameterError: There is no such file or rig.
     """
     path = Path(name)
-    if "/" in name or path.suffix in (SUFFIX, ".yml") or path.exists():
+    if path.exists():
         return path.absolute()
+    if "/" in name or path.suffix in (SUFFIX, ".yml"):
+        raise ParameterError(f"no rig file {name}")
     known = {file.stem: file for file in sorted(rig_directory().glob(f"*{SUFFIX}"))}
     if name not in known:
         raise ParameterError(

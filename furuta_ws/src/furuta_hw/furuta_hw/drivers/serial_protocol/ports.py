@@ -4,6 +4,7 @@ import os
 from typing import Protocol
 
 import serial
+from serial.tools.list_ports import comports
 
 from furuta_hw.connection.rig_driver import READ_TIMEOUT
 from furuta_hw.errors import LineError, line_errors
@@ -30,7 +31,7 @@ class SerialPort:
     """A serial port through pyserial, held exclusively."""
 
     def __init__(self, port: str, baud: int) -> None:
-        with line_errors(f"cannot open {port}"):
+        with line_errors(f"cannot open {port}", lambda: _others(port)):
             self._port = serial.Serial(port, baud, timeout=READ_TIMEOUT, exclusive=True)
             self._port.reset_input_buffer()
 
@@ -49,6 +50,14 @@ class SerialPort:
     def close(self) -> None:
         """Free the port."""
         self._port.close()
+
+
+def _others(port: str) -> str:
+    """What a message about ``port`` ends with if this computer has no such serial port."""
+    names = sorted(each.device for each in comports())
+    if port in names or os.path.exists(port):
+        return ""
+    return f"; serial ports are {', '.join(names)}" if names else "; there is no serial port"
 
 
 def open_port(name: str, rig: Rig) -> Port:
