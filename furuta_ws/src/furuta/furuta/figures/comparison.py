@@ -42,7 +42,7 @@ def draw_comparison(table: Table, order: list[str], encoder_count: float, axes: 
     legend_outside(figure, "lower center", *entries, ncols=3)
     above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
     style_axis(points, LABEL)
-    style_axis(above, LABEL, f"fraction of the {len(table.rigs)} rigs above it")
+    style_axis(above, LABEL, f"fraction of {len(table.rigs)} rigs that swing further")
     return axes
 
 

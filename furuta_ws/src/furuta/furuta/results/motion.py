@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from furuta.oscillation import measure_oscillation
+from furuta.oscillation import has_fallen, measure_oscillation
 from furuta.outcomes import Outcome as Measured
 from furuta.results.result import Found, plain
 from furuta.results.table import Series
 from furuta.results.text import angle
-from furuta_model.state import RIGID_STATES, THETA
+from furuta_model.state import RIGID_STATES
 from furuta_recordings.series_columns import (
     COMMAND,
     ESTIMATED,
@@ -83,7 +83,7 @@ class Run(Found):
     @cached_property
     def fell_at(self) -> float:
         """When the pendulum was first below the horizontal [s]; NaN if never."""
-        below = np.flatnonzero(np.abs(self.found.state[:, THETA]) > 0.5 * np.pi)
+        below = np.flatnonzero(has_fallen(self.found.state))
         return float(below[0]) * self.found.sample_time if len(below) else float("nan")
 
     def to_dict(self) -> dict[str, Any]:
