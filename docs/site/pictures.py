@@ -23,7 +23,7 @@ COMMANDS = {
     "axis.png": "axis --inertia 0.01 --friction "
     "alpha0=0.1,alpha1=0.1,stribeck_velocity=0.1,viscous=0.005 --pid 1 2 0.08 --out OUT",
     "branch.png": "limit-cycle --over viscous=0:0.3 --out OUT",
-    "comparison.png": "compare --rigs 1000 --out OUT",
+    "comparison.png": "compare --rigs 1000 --figure OUT",
     "demo.png": "demo --out DIR",
     "describing_function.png": "limit-cycle --predict --law lugre --out OUT",
     "limit_cycle.png": "limit-cycle --out OUT",

@@ -47,6 +47,8 @@ COLUMNS: dict[str, dict[str, dict[str, Any]]] = {
         },
     },
 }
+# Titles of the demo's phases that are not those of their compensations.
+OF_PHASES = {"none": "No compensation", TUNED: "LuGre observer, tuned"}
 # Length of the part that is shown of each phase of the demo, and of its friction [s].
 SHOWN, FRICTION_SHOWN = 10.0, 2.5
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
@@ -128,7 +130,7 @@ def draw_demo(
 
 def _title(compensation: str, swing: float) -> str:
     """What a phase of the demo is called, its figure in the paper, and how far the arm swings."""
-    title = "LuGre observer, tuned" if compensation == TUNED else TITLES[compensation]
+    title = (TITLES | OF_PHASES)[compensation]
     figure = f" ({PHASES[compensation]})" * bool(PHASES[compensation])
     return f"{title}{figure}\n{swing:.3g} rad ({np.degrees(swing):.2g}°)"
 

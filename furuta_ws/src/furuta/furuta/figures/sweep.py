@@ -6,12 +6,14 @@ from typing import Any
 import numpy as np
 
 from furuta.figures.feedback_map import common_scale, mark_other_kinds
-from furuta.figures.figure import axes_for, axis_label, legend_outside, style_axis
+from furuta.figures.figure import axes_for, axis_label, legend_outside, scale_sizes, style_axis
 from furuta_model.parameters import ParameterError
 
 LABEL = "arm, peak to peak [rad]"
 # Most curves that can be told apart.
 MOST_CURVES = 10
+# Marks at the upper edge of runs that have no swing.
+MARKS = {"fell": "v", "impossible": "x"}
 
 
 def draw_runs(runs: Mapping[str, np.ndarray], names: Sequence[str], axes: Any = None) -> Any:
@@ -31,8 +33,14 @@ def draw_runs(runs: Mapping[str, np.ndarray], names: Sequence[str], axes: Any = 
         for curve in curves or [()]:
             chosen = np.all([values[name] == v for name, v in zip(others, curve, strict=True)], 0)
             label = ", ".join(map(_label, others, curve))
-            _draw_curve(axis, values[first][chosen], size[chosen], kinds[chosen], label)
-        axis.set_yscale("log")
+            style = ".-" if _is_number(values[first]) else "o"
+            axis.plot(values[first][chosen], size[chosen], style, label=label or None)
+        for kind, marker in MARKS.items():
+            there = values[first][kinds == kind]
+            height, place = np.full(len(there), 0.98), axis.get_xaxis_transform()
+            if len(there):
+                axis.plot(there, height, marker, color="0.3", transform=place, label=kind)
+        scale_sizes(axis, "y", size)
         style_axis(axis, axis_label(first), LABEL)
         if others or axis.get_legend_handles_labels()[1]:
             axis.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
@@ -72,16 +80,3 @@ def _is_number(values: np.ndarray) -> bool:
 def _label(name: str, value: Any) -> str:
     symbol = axis_label(name).partition(" [")[0]
     return value if isinstance(value, str) else f"{symbol} = {value:.4g}"
-
-
-def _draw_curve(axis: Any, x: np.ndarray, size: np.ndarray, kinds: np.ndarray, label: str) -> None:
-    """Draw a curve; runs without a size are marked at the upper edge."""
-    style = ".-" if _is_number(x) else "o"
-    (line,) = axis.plot(x, size, style, label=label or None)
-    for kind, marker in (("fell", "v"), ("impossible", "x")):
-        there = x[kinds == kind]
-        if len(there):
-            place = axis.get_xaxis_transform()
-            height = np.full(len(there), 0.98)
-            mark = f"{label} {kind}".strip()
-            axis.plot(there, height, marker, color=line.get_color(), transform=place, label=mark)

@@ -18,6 +18,7 @@ def draw_swing_up(runs: Sequence[SwingUpRun], axes: Any = None) -> Any:
         time = np.linspace(0.0, RUN_TIME, len(theta), endpoint=False)
         from_upright = np.degrees(np.abs(np.angle(np.exp(1j * theta))))
         angle.plot(time, from_upright, lw=0.7, alpha=0.4, color=PENDULUM)
+    angle.set_xlim(0.0, RUN_TIME)
     angle.set_yticks(range(0, 181, 45))
     style_axis(angle, "time [s]", "pendulum from upright [°]")
     angle.set_title(f"the first {len(shown)} of {len(runs)} starts")

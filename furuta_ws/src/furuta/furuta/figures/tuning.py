@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.figures.figure import ARM, REFERENCE, axes_for, style_axis
+from furuta.figures.figure import ARM, REFERENCE, annotate, axes_for, scale_sizes, style_axis
 from furuta.studies.trials import TuningResult
 
 
@@ -13,27 +13,19 @@ def draw_tuning(result: TuningResult, axes: Any = None) -> Any:
     trials = result.trials
     _, axis = axes_for(axes, figsize=(9, 1.6 + 0.4 * len(trials)))
     known = [trial.swing for trial in trials if np.isfinite(trial.swing)]
-    low, high = 0.5 * min(*known, result.encoder_count), 4.0 * max(*known, result.encoder_count)
+    low = 0.5 * min(*known, result.encoder_count)
+    high = 5.0 * max(*known, result.encoder_count)
     for number, trial in enumerate(trials):
-        swing = trial.swing if np.isfinite(trial.swing) else high
-        is_result = trial == result.after
+        is_result, is_known = trial == result.after, np.isfinite(trial.swing)
+        swing = trial.swing if is_known else low
         axis.barh(number, swing, color=ARM if is_result else REFERENCE, height=0.7)
-        size = f"{trial.swing:.3g} rad ({np.degrees(trial.swing):.2g}°)"
-        more = ("result" if is_result else trial.remark) if known else ""
-        text = ", ".join(filter(None, (size if np.isfinite(trial.swing) else "", more)))
-        inside = swing > 0.2 * high
-        axis.annotate(
-            text,
-            (swing, number),
-            xytext=(-5 if inside else 5, 0),
-            textcoords="offset points",
-            ha="right" if inside else "left",
-            va="center",
-        )
+        size = f"{swing:.3g} rad ({np.degrees(swing):.2g}°)" if is_known else ""
+        text = ", ".join(filter(None, (size, "result" if is_result else trial.remark)))
+        annotate(axis, (swing, number), text, xytext=(7, 0), va="center")
     axis.axvline(result.encoder_count, color="0.3", ls="--", lw=1, label="one encoder count")
     axis.set_yticks(range(len(trials)), [trial.title for trial in trials])
     axis.invert_yaxis()
-    axis.set_xscale("log")
+    scale_sizes(axis, "x", (low, high))
     axis.set_xlim(low, high)
     axis.legend(loc="lower right")
     style_axis(axis, "arm, peak to peak [rad]")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from furuta.results.motion import swing_sentence
 from furuta.results.result import Found, Result, plain
 from furuta.results.table import Table
 from furuta.results.text import angle, table_text, values_text
@@ -175,15 +176,20 @@ class Comparison(Table):
             text = f"None is best here: with each the pendulum falls on some of the {rigs}."
         else:
             high = self._high(self.best)
-            why = "the smallest swing"
+            why = f"the least of all; one count of its encoder is {count}"
             if high <= self.encoder_count:
-                why = f"the smoothest command of those within one count of the encoder, {count},"
-            text = f"Best here: {self.best}, {why} on 95 % of {rigs}: {angle(high)}."
+                why = (
+                    f"with the smoothest command of those within one count of its encoder, {count}"
+                )
+            text = (
+                f"Best here: {self.best}. On 95 % of {rigs} the arm swings by at most "
+                f"{angle(high)}, {why}."
+            )
         names = list(self["candidate"])
         if "recommended" in names and self.best != "recommended":
             text += (
                 f" The setting named recommended is in place {names.index('recommended') + 1} of "
-                f"{len(names)}: {angle(self._high('recommended'))}."
+                f"{len(names)}, with {angle(self._high('recommended'))}."
             )
         return text + left_out * bool(self.impossible)
 
@@ -192,12 +198,13 @@ class Comparison(Table):
 
     def report(self) -> str:
         """A sentence, the ranking, and what is known of each rig."""
-        parts = [self.text(self.dictionaries(), self.rows, ALL if self.every_column else CANDIDATE)]
+        rows = [{name: _known(each) for name, each in row.items()} for row in self.dictionaries()]
+        parts = [self.text(rows, self.rows, ALL if self.every_column else CANDIDATE)]
         names = self.found.candidates if self.by_rig else []
         best = self.best_bandwidths or len(self.found.rigs) * [{}]
         if self.by_rig or self.best_bandwidths:
             rows = [
-                {"rig": rig, **row, **dict(zip(names, map(_known, sizes), strict=False))}
+                {"rig": rig, **row, **dict(zip(names, map(_known, sizes.tolist()), strict=False))}
                 for rig, row, sizes in zip(
                     self.found.rigs, best, self.found.residual.T, strict=True
                 )
@@ -214,8 +221,8 @@ class Comparison(Table):
         return draw_comparison(self.found, list(self["candidate"]), self.encoder_count, axes)
 
 
-def _known(size: float) -> float | None:
-    return float(size) if np.isfinite(size) else None
+def _known(value: Any) -> Any:
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 class SwingUp(Found):
@@ -300,11 +307,13 @@ class Tuning(Found):
 
     def table(self, values: Mapping[str, Any]) -> str:
         """The parameters that changed, and the trials."""
-        changed = {
-            f"{node}.{name}": value
+        after = self.found.after.compensation
+        old = self.found.before.compensation.changes(after)
+        changed = [
+            {"parameter": f"{node}.{name}", "before": old[node][name], "after": value}
             for node, of in values["parameters"].items()
             for name, value in of.items()
-        }
+        ]
         rows = [
             {
                 "trial": each.title,
@@ -314,7 +323,8 @@ class Tuning(Found):
             for each in self.found.trials
         ]
         headings = {"trial": "trial", SIZE: "arm [rad]", "remark": "remark"}
-        return "\n\n".join(filter(None, (values_text(changed), table_text(rows, headings))))
+        tables = [table_text(changed)] if changed else []
+        return "\n\n".join([*tables, table_text(rows, headings)])
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the arm's swing of each trial; see :meth:`Result.plot`."""
@@ -360,10 +370,11 @@ class Demo(Result):
     def sentence(self) -> str:
         """How far the arm swings with the first and the last compensation."""
         first, *_, last = self.rows
+        swing = swing_sentence(first[SIZE], first["period_s"], 0.0)
         return (
-            f"The arm swings by {angle(first[SIZE])} every {first['period_s']:.3g} s with "
-            f"compensation {first['compensation']}, and by {angle(last[SIZE])} with "
-            f"{last['compensation']}. One count of its encoder is {angle(self.encoder_count)}."
+            f"With compensation {first['compensation']}: {swing} With {last['compensation']} it "
+            f"swings by {angle(last[SIZE])}. One count of its encoder is "
+            f"{angle(self.encoder_count)}."
         )
 
     def table(self, values: Mapping[str, Any]) -> str:
