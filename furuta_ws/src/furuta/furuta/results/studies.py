@@ -249,9 +249,7 @@ class SwingUp(Found):
     def sentence(self) -> str:
         """How many starts are upright in time, and whether the limits were kept."""
         found, knocks = self.found, self.knocks
-        limits = "no start exceeds a limit"
-        if found.beyond_limits:
-            limits = f"{found.beyond_limits} exceed a limit"
+        limits = f"{found.beyond_limits or 'none'} beyond a limit"
         text = f"{found.upright} of {found.starts} starts are upright within {DEADLINE:g} s"
         if found.upright:
             text += f", half of them within {found.median_s:.3g} s"
@@ -298,8 +296,8 @@ class Tuning(Found):
         before, after = self.found.before, self.found.after
         count = f"One count of its encoder is {angle(self.found.encoder_count)}."
         if self.found.gain:
-            was = f"instead of {angle(before.swing)}" if before.is_inside else "which it did not"
-            return f"The arm swings by {angle(after.swing)} {was}. {count}"
+            was = f" instead of {angle(before.swing)}" if np.isfinite(before.swing) else ""
+            return f"The arm swings by {angle(after.swing)}{was}. {count}"
         return (
             f"no gain: nothing is better than the setting as it was, with which the arm swings by "
             f"{angle(before.swing)}. {count}"

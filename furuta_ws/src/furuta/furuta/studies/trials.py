@@ -48,11 +48,6 @@ class Trial(NamedTuple):
     given_up: bool = False
 
     @property
-    def is_inside(self) -> bool:
-        """Whether it was neither given up nor outside the guard."""
-        return self.swing < inf and not self.given_up
-
-    @property
     def title(self) -> str:
         """What is tried."""
         if self.name in (NONE, AS_IT_IS):
