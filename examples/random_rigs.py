@@ -12,7 +12,7 @@ import furuta
 
 CANDIDATES = ("none", "coulomb", "lugre", "recommended")
 rigs = furuta.random_rigs(24, seed=1)
-runs = furuta.compare(candidates=CANDIDATES, rigs=rigs, by_run=True)
+runs = furuta.compare(candidates=CANDIDATES, rigs=rigs, keep_runs=True).runs
 figure, axis = plt.subplots(figsize=(7, 4.5), layout="constrained")
 for name in CANDIDATES:
     sizes = np.sort(runs["phi_peak_to_peak_rad"][runs["candidate"] == name])

@@ -51,7 +51,7 @@ envs = FurutaVectorEnv(len(unseen), plants=unseen, max_episode_steps=10**9)
 _, sizes = run(envs, np.tile(mean, (len(unseen), 1)), np.arange(len(unseen)), 30_000)
 print(f"policy: median {np.median(sizes):.3f} rad, {np.isinf(sizes).sum()} falls")
 loops = ("recommended", "none")
-runs = furuta.compare(candidates=loops, rigs=len(unseen), by_run=True)
+runs = furuta.compare(candidates=loops, rigs=len(unseen), keep_runs=True).runs
 for name in loops:
     mine = runs["candidate"] == name
     size, falls = np.median(runs["phi_peak_to_peak_rad"][mine]), int(runs["fell"][mine].sum())

@@ -34,6 +34,7 @@ from page_translation import Page, selected, translated
 from furuta.loops import ideal_loop
 from furuta.quantities import QUANTITIES
 from furuta_bringup.page.exact_cycle import described_cycle
+from furuta_friction.compensation import TITLES
 from furuta_hw.emulator.firmware_compiler import run_compiler
 
 ROOT = Path(__file__).parents[2]
@@ -122,7 +123,7 @@ def rank(knob: Knob) -> int:
 def shown(knob: Knob) -> dict[str, Any]:
     """A knob as the page shows it: one that multiplies a number is a slider that shows it."""
     plain = DECLARED["in_sight"].get(knob.shows, {})
-    words = DECLARED["compensations"] if knob.name == "compensation" else knob.words
+    words = TITLES if knob.name == "compensation" else knob.words
     idle = {
         other.name: value
         for name, value in plain.get("idle", {}).items()

@@ -14,6 +14,7 @@ import numpy as np
 from adjustable import numbers_of
 
 import furuta
+from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import SELECTS, fields_of
 from furuta_sim.plant import Plant, design_plant
 from furuta_sim.simulation.closed_loop import Loop
@@ -23,7 +24,6 @@ Settings = Mapping[str, Any]
 # A push that never begins: the page writes its own into the profile.
 PUSH = {"pushes.times": [0.0], "pushes.durations": [0.0], "pushes.pendulum": [1.0]}
 PUSHES = "plant_parts_pushes"
-COMPENSATIONS = ("none", "coulomb", "stiction", "lugre", "adaptive", "recommended")
 BASE = furuta.make_loop(PUSH)
 FRICTION = BASE.plant.friction.parameters
 LEVELS = (0, 0.25, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2)

@@ -59,7 +59,7 @@ def truth_rows(page: str) -> Iterator[list[str]]:
     best = {row["rig"]: row for row in report["best_bandwidths"]}
     residuals: dict[str, dict[str, Any]] = {}
     for row in report["rows"]:
-        residuals.setdefault(row["truth"], {})[row["compensation"]] = row["phi_peak_to_peak_rad"]
+        residuals.setdefault(row["rig"], {})[row["candidate"]] = row["phi_peak_to_peak_rad"]
     (names,) = re.findall(r"^\| truth \| (.*) \| best bandwidth \| with it \|$", page, re.MULTILINE)
     for truth, values in residuals.items():
         values["with it"] = best[truth]["residual_at_best_rad"]

@@ -18,7 +18,7 @@ from furuta_bringup.graph.processes import executable
 
 HERE = Path(__file__).parent
 PID = (60.0, 150.0, 5.0)
-COMPENSATIONS = "none", "coulomb", "stiction", "recommended"
+TRIED = "none", "coulomb", "stiction", "recommended"
 
 
 @contextmanager
@@ -61,7 +61,7 @@ def compensate(file: Path) -> None:
     """Print how well the elbow follows with each compensation."""
     for motion, seconds in (("sine", 20.0), ("hold", 30.0)):
         control = controller(motion, seconds)
-        for compensation in COMPENSATIONS:
+        for compensation in TRIED:
             with running(*observer(file, compensation)), running(*control) as process:
                 out, _ = process.communicate()
             numbers = "  ".join(f"{name} {value:.4f}" for name, value in json.loads(out).items())

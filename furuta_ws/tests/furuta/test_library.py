@@ -71,7 +71,7 @@ def test_comparison_of_random_rigs_is_a_table() -> None:
     assert loop.plant.coupling.backlash == rigs["plant.coupling.backlash"][1] > 0.0
     rigs = furuta.random_rigs(2)
     mine = {"none": {}, "stiff": {"compensation": "lugre", "sigma0": np.int64(1000)}}
-    runs = furuta.compare(candidates=mine, rigs=rigs, seconds=5.0, by_run=True)
+    runs = furuta.compare(candidates=mine, rigs=rigs, seconds=5.0, keep_runs=True).runs
     texts = ["none", "stiff=compensation=lugre,sigma0=1000"]
     table = furuta.compare(candidates=texts, rigs=2, seconds=5.0, pushes=[0.0])
     for name, worst in zip(table["candidate"], table["residual_worst_rad"], strict=True):

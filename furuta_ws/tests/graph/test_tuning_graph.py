@@ -53,7 +53,7 @@ def tune_graph(settings: Settings, plan: TuningPlan) -> TuningResult:
     graph = SimulatedGraph(in_lockstep(settings), [node])
     try:
         rig = PausingLoop(graph, ParameterClient(node, graph.executor), estimates)
-        return tune(rig, rig.compensation, rig.estimator, plan, silent)
+        return tune(rig, rig.compensation, plan, silent)
     finally:
         graph.close()
 

@@ -4,12 +4,10 @@ from furuta.settings.nodes import NODES
 from furuta.settings.parameter_names import by_node
 from furuta.settings.settings import default_settings, parameters_of
 from furuta_bringup.page.guided_scenes import (
-    COMPENSATIONS,
     IN_SIGHT,
     scene_names,
     scenes,
 )
-from furuta_friction.compensation import COMPENSATIONS as OF_NODE
 from furuta_model.parameters import build, values
 
 COMPENSATION = "friction_observer.compensation"
@@ -33,4 +31,3 @@ def test_names_in_sight_are_those_of_the_graph() -> None:
     for name in IN_SIGHT:
         node, _, own = name.partition(".")
         assert own in VALUES[node]
-    assert {*COMPENSATIONS} <= {*OF_NODE}

@@ -25,7 +25,7 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
     result = json.loads(text)
     assert len(result["rows"]) == 2 * 54
     size = simulated["phi_peak_to_peak_rad"]
-    nominal = {"truth": "nominal", "compensation": "mine", "phi_peak_to_peak_rad": size}
+    nominal = {"rig": "nominal", "candidate": "mine", "phi_peak_to_peak_rad": size}
     assert nominal in result["rows"]
     with out.open() as file:
         rows = list(csv.DictReader(file))

@@ -9,15 +9,21 @@ import pytest
 
 
 def test_rows_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
-    out = tmp_path / "new" / "a.csv"
-    status, text, err = furuta(
-        "sweep", "friction_observer.alpha0=0.1:0.3:3", "compensation=coulomb,lugre",
-        "--seconds", "20", "--out", out, "--json",
-    )  # fmt: skip
+    """The result names the smallest and the largest swing, and is drawn."""
+    out, figure = tmp_path / "new" / "a.csv", tmp_path / "a.png"
+    swept = "friction_observer.alpha0=0.1:0.3:3", "compensation=coulomb,lugre"
+    files = "--out", out, "--figure", figure
+    status, text, err = furuta("sweep", *swept, "--seconds", "20", *files, "--json")
     assert status == 0, err
-    assert json.loads(text) == {"runs": 6, "fell": 0, "impossible": 0, "file": str(out)}
+    found = json.loads(text)
+    written = {"runs": 6, "fell": 0, "impossible": 0, "file": str(out), "figure": str(figure)}
+    assert found.items() >= written.items()
+    assert figure.stat().st_size > 10_000
     with out.open() as file:
         rows = list(csv.DictReader(file))
+    sizes = [float(row["phi_peak_to_peak_rad"]) for row in rows]
+    assert found["smallest"]["phi_peak_to_peak_rad"] == min(sizes)
+    assert found["largest"]["compensation"] == rows[sizes.index(max(sizes))]["compensation"]
     simulated = json.loads(
         furuta(
             "simulate", "--seconds", "20", "--compensation", "lugre", "--json",

@@ -65,6 +65,7 @@ if TYPE_CHECKING:
     from furuta.tables import compare as compare
     from furuta.tables import random_rigs as random_rigs
     from furuta.tables import sweep as sweep
+    from furuta.tables import swing_up as swing_up
     from furuta_hw.rigs.rig import Rig as Rig
     from furuta_model.friction.law import Law as Law
     from furuta_model.friction.parameters import Friction as Friction

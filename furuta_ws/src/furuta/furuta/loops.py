@@ -85,11 +85,19 @@ def make_loop(
     Raises:
         ParameterError: A name is unknown, a value is not allowed, or a file has an error.
     """
-    from furuta.settings import settings
+    from furuta.settings.settings import rig_settings
 
     if rig is not None and not isinstance(rig, Rig):
         rig = load_rig(rig)
-    base = None if rig is None else settings.rig_settings(rig)
+    return loop_from(None if rig is None else rig_settings(rig), values, files)
+
+
+def loop_from(
+    base: Any, values: Mapping[str, Any] | Iterable[str] | None, files: Iterable[str | Path]
+) -> Loop:
+    """A loop from settings, None for the defaults; the rest is as of :func:`make_loop`."""
+    from furuta.settings import settings
+
     if values is not None and not isinstance(values, Mapping):
         return settings.loop(settings.load_settings(map(Path, files), values, base))
     given = settings.collect_settings(map(Path, files), [], base)

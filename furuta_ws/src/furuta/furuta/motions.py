@@ -16,7 +16,7 @@ from furuta_sim.simulation import closed_loop
 from furuta_sim.simulation.closed_loop import Loop
 
 if TYPE_CHECKING:
-    from furuta.studies.trials import TuningResult
+    from furuta.results.studies import Tuning
 
 
 def simulate(
@@ -84,7 +84,9 @@ def tune(
     seconds: float = 120.0,
     report: Callable[[str, float], None] | None = None,
     enough: float = 1.0,
-) -> TuningResult:
+    arm_guard: float = 1.0,
+    pendulum_guard: float = 0.4,
+) -> Tuning:
     """Find the compensation with the smallest swing of the arm, by simulation.
 
     Args:
@@ -93,6 +95,8 @@ def tune(
         seconds: Longest simulated time [s].
         report: Called with a message and the simulated time [s]; by default nothing is reported.
         enough: Swing that ends the search, in counts of the encoder.
+        arm_guard: Largest peak-to-peak excursion of the arm [rad].
+        pendulum_guard: Largest angle of the pendulum [rad].
 
     Returns:
         The trials ``before`` and ``after``, each with its ``compensation`` (parameters of
@@ -102,11 +106,12 @@ def tune(
     Raises:
         ParameterError: The time is too short, or the pendulum falls.
     """
+    from furuta.results.studies import Tuning
     from furuta.studies.tuning import tune_simulated
 
     check_seconds(seconds)
-    plan = TuningPlan(seconds, enough=enough)
-    return tune_simulated(checked_loop(loop), plan, report or (lambda message, seconds: None))
+    plan = TuningPlan(seconds, arm_guard, pendulum_guard, enough)
+    return Tuning(tune_simulated(checked_loop(loop), plan, report or (lambda text, time: None)))
 
 
 def check_seconds(seconds: float) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
-from furuta_model.state import PHI, PHI_DOT, THETA
+from furuta_model.state import HORIZONTAL, PHI, PHI_DOT, THETA
 
 # Fraction of the peak-to-peak value by which φ must go below the midpoint between crossings.
 HYSTERESIS = 0.1
@@ -136,11 +136,6 @@ def _accumulate_series(sums: np.ndarray, state: np.ndarray) -> None:
         accumulate(sums[0], x)
 
 
-def fell(state: np.ndarray) -> bool:
-    """Whether the pendulum was ever below the horizontal."""
-    return bool(np.any(has_fallen(state)))
-
-
 def has_fallen(state: np.ndarray) -> np.ndarray:
     """Where the pendulum is below the horizontal (n,), by its true state (n, 4)."""
-    return np.abs(state[:, THETA]) > 0.5 * np.pi
+    return np.abs(state[:, THETA]) > HORIZONTAL

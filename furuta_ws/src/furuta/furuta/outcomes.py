@@ -20,7 +20,7 @@ from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.parameters import Friction
 from furuta_model.sensors import step_size
-from furuta_model.state import PHI, THETA
+from furuta_model.state import HORIZONTAL, PHI, THETA
 from furuta_sim.parameters import PlantFriction, PlantParameters
 from furuta_sim.simulation.closed_loop import Loop, Record, Simulation
 
@@ -172,7 +172,7 @@ def measure_sample(
 @inlined
 def note_fall(sums: Sums, x: np.ndarray) -> None:
     """Remember whether the pendulum has been below the horizontal."""
-    if abs(x[THETA]) > 0.5 * np.pi:
+    if abs(x[THETA]) > HORIZONTAL:
         sums.fell = True
 
 

@@ -13,7 +13,7 @@ from rclpy.node import Node
 
 from furuta.settings.nodes import FRICTION_OBSERVER
 from furuta.settings.settings import Settings, default_settings, loop, merge_settings
-from furuta.studies.phases import COMPENSATIONS, TUNED, Phase
+from furuta.studies.phases import PHASES, TUNED, Phase
 from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.parameter_files import settings_file
@@ -24,7 +24,7 @@ def in_lockstep(settings: Settings) -> Settings:
     """The settings of a paused graph without compensation."""
     paused = default_settings()
     paused["plant"] = {"clock": "lockstep", "run_until": 0.0}
-    paused["friction_observer"] = {"compensation": COMPENSATIONS[0]}
+    paused["friction_observer"] = {"compensation": "none"}
     return merge_settings(settings, paused)
 
 
@@ -41,7 +41,7 @@ def run_demo(
     graph = SimulatedGraph(settings, [node], record)
     try:
         client = ParameterClient(node, graph.executor)
-        for number, compensation in enumerate(COMPENSATIONS):
+        for number, compensation in enumerate(PHASES):
             began = perf_counter()
             end = (number + 1) * seconds
             client.set_all(FRICTION_OBSERVER, _changes(compensation, tuned, settings))

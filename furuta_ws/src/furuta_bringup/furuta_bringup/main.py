@@ -16,7 +16,7 @@ from furuta_ros.errors import UserError
 from furuta_ros.process import INTERRUPTED, end_with_parent, exit_on_interrupt
 
 VERBS = {
-    "demo": "Compare four compensations on the real node graph.",
+    "demo": "Compare compensations on the real node graph.",
     "run": "Run the graph until Ctrl-C.",
     "view": "Show the graph in a browser, with all parameters.",
     "simulate": "Simulate the same closed loop without ROS.",

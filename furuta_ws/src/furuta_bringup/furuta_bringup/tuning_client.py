@@ -9,14 +9,20 @@ import numpy as np
 from rclpy.executors import Executor
 from rclpy.node import Node
 
+from furuta.results.studies import Tuning
 from furuta.settings.nodes import CONTROLLER, ESTIMATOR, FRICTION_OBSERVER, NODES
 from furuta.studies.trials import Compensation
+from furuta.studies.tuning import ProgressCallback, tune
+from furuta.studies.tuning_plan import TuningPlan
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_bringup.graph.services import ServiceError
+from furuta_bringup.options import joined_node
 from furuta_model.parameters import build, declared
 from furuta_model.state import SIGNALS
+from furuta_ros.errors import UserError
 from furuta_ros.messages import typed_joint_state
 from furuta_ros.node import deep
+from furuta_ros.process import StopSignal
 from furuta_ros.spinning import SPIN_TIMEOUT
 from furuta_ros.topics import JOINT_STATES
 from furuta_ros.wire import unpack_joint_state
@@ -99,3 +105,20 @@ class TuningClient:
         group = NODES[node].parameters
         names = [parameter.name for parameter in declared(group)]
         return build(group, self.client.get(node, names))
+
+
+def tune_running(
+    namespace: str, plan: TuningPlan, report: ProgressCallback, follow: float = 0.0
+) -> Tuning:
+    """Tune the graph of a namespace, which keeps the result; then watch it for ``follow`` [s].
+
+    Raises:
+        UserError: It was interrupted. The initial parameters are restored.
+    """
+    with joined_node("furuta_tune", namespace) as (node, executor):
+        services, estimates = ParameterClient(node, executor), EstimateBuffer(node)
+        client = TuningClient(services, estimates, executor, StopSignal())
+        try:
+            return Tuning(tune(client, client.compensation, plan, report, follow))
+        except TuningInterruptedError:
+            raise UserError("interrupted; the initial parameters are restored") from None

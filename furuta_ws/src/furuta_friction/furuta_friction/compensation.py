@@ -44,28 +44,32 @@ from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI, PHI_DOT
 
 ALL = (
-    Compensator("none", "0 V"),
-    Compensator("coulomb", "Coulomb level with the sign of the speed, eq. (4)"),
+    Compensator("none", "None", "0 V"),
+    Compensator("coulomb", "Coulomb", "Coulomb level with the sign of the speed, eq. (4)"),
     Compensator(
         "stiction",
+        "Stiction",
         "Coulomb level while sliding, observed friction at rest",
         needs_observed_friction=True,
     ),
-    Compensator("lugre", "LuGre observer, eq. (9)", moves_bristle=True),
+    Compensator("lugre", "LuGre observer", "LuGre observer, eq. (9)", moves_bristle=True),
     Compensator(
         "adaptive",
+        "Adaptive LuGre observer",
         "LuGre observer with levels that follow the observed friction",
         needs_observed_friction=True,
         moves_bristle=True,
     ),
     Compensator(
         "recommended",
+        "Recommended",
         "LuGre friction of a learned level when the command acts, plus the observed rest",
         needs_observed_friction=True,
         moves_bristle=True,
     ),
 )
-COMPENSATIONS = tuple(compensator.name for compensator in ALL)
+TITLES = {compensator.name: compensator.title for compensator in ALL}
+COMPENSATIONS = tuple(TITLES)
 # Kinds: places in the list, and one of the user's own.
 NONE = COMPENSATIONS.index("none")
 COULOMB = COMPENSATIONS.index("coulomb")
@@ -114,7 +118,7 @@ class ObserverParameters(NamedTuple):
         """The compensator that the parameters select."""
         if self.compensation in COMPENSATIONS:
             return ALL[COMPENSATIONS.index(self.compensation)]
-        return Compensator(self.compensation, "own")
+        return Compensator(self.compensation, self.compensation, "own")
 
 
 class CompensationDesign(NamedTuple):

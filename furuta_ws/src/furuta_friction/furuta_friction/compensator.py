@@ -14,9 +14,10 @@ class Joint(NamedTuple):
 
 
 class Compensator(NamedTuple):
-    """A compensator: whether it needs the observed friction, and moves the bristle of (9)."""
+    """A compensator: its title, and whether it needs the observed friction or moves the bristle."""
 
     name: str
+    title: str
     meaning: str
     needs_observed_friction: bool = False
     moves_bristle: bool = False

@@ -17,6 +17,7 @@ estimate       :data:`APPLIED_TORQUE`              the same
 NaN marks a value that is not measured or not estimated.
 """
 
+from math import pi
 from typing import Final
 
 import numpy as np
@@ -47,6 +48,8 @@ SIGNAL_NAMES: Final = (
 # Index in a message: effort of the arm.
 EFFORT: Final = 4
 
+# The pendulum counts as fallen beyond this angle [rad].
+HORIZONTAL: Final = 0.5 * pi
 # No sensor, drive or estimate gives a larger value [rad, rad/s, V].
 LARGEST_VALUE: Final = 1e6
 

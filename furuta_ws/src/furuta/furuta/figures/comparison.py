@@ -1,11 +1,11 @@
-"""Figure of a comparison: the distribution of the residual for each candidate."""
+"""Figure of a comparison: the residuals of each candidate."""
 
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from furuta.figures.figure import axes_for, legend_outside, style_axis
+from furuta.figures.figure import axes_for, legend_outside, scale_sizes, style_axis
 from furuta.studies.comparison.comparison import Table
 
 LABEL = "arm, peak to peak [rad]"
@@ -19,31 +19,24 @@ FALL = 2.0
 
 
 def draw_comparison(table: Table, order: list[str], encoder_count: float, axes: Any = None) -> Any:
-    """Draw points per candidate in ``order``, and the fraction of rigs above a residual."""
+    """Draw a point per rig for each candidate in ``order``, their median, 95 % and the worst."""
     finite = table.residual[np.isfinite(table.residual)]
     fall = FALL * float(finite.max(initial=1.0))
-    height = 2.0 + 0.55 * len(order)
-    figure, axes = axes_for(axes, 1, 2, figsize=(13, max(height, 4.5)))
-    points, above = axes
+    figure, axis = axes_for(axes, figsize=(9, max(2.0 + 0.55 * len(order), 4.5)))
     for number, name in enumerate(order):
         residual = table.residual[table.candidates.index(name)]
-        drawn = np.where(np.isinf(residual), fall, residual)
-        _draw_points(points, number, drawn)
-        _draw_fraction_above(above, number, drawn, name)
-    points.set_yticks(range(len(order)), order)
-    points.invert_yaxis()
-    for axis in (points, above):
-        axis.axvline(encoder_count, color="0.3", ls="--", lw=1, label=COUNT)
-        axis.set_xscale("log")
+        _draw_points(axis, number, np.where(np.isinf(residual), fall, residual))
+    axis.set_yticks(range(len(order)), order)
+    axis.invert_yaxis()
+    axis.axvline(encoder_count, color="0.3", ls="--", lw=1, label=COUNT)
+    scale_sizes(axis, "x", [*finite, fall])
     if np.isinf(table.residual).any():
-        points.axvline(fall, color="tab:red", lw=0.8, label="fell")
-    points.plot([], [], "k|", ms=12, label="median, 95 %, worst")
-    entries = points.get_legend_handles_labels()
-    legend_outside(figure, "lower center", *entries, ncols=3)
-    above.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize="small")
-    style_axis(points, LABEL)
-    style_axis(above, LABEL, f"fraction of the {len(table.rigs)} rigs above it")
-    return axes
+        axis.axvline(fall, color="tab:red", lw=0.8, label="fell")
+    axis.plot([], [], "k|", ms=12, label="median, 95 %, worst")
+    legend_outside(figure, "lower center", *axis.get_legend_handles_labels(), ncols=3)
+    axis.set_title(f"{len(table.rigs)} rigs")
+    style_axis(axis, LABEL)
+    return axis
 
 
 def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
@@ -52,12 +45,3 @@ def _draw_points(axis: Axes, number: int, residual: np.ndarray) -> None:
     axis.plot(residual[some], number + scatter[some], ".", ms=4, alpha=0.5, color=f"C{number}")
     marks = np.quantile(residual, [0.5, 0.95, 1.0], method="inverted_cdf")
     axis.plot(marks, [number] * 3, "k|", ms=16, mew=1.5)
-
-
-def _draw_fraction_above(axis: Axes, number: int, residual: np.ndarray, name: str) -> None:
-    sizes = np.sort(residual)
-    above = np.linspace(1.0, 0.0, len(sizes) + 1)
-    style = "-" if number < 10 else "--"  # there are ten colours
-    axis.step(
-        [sizes[0], *sizes], above, style, where="post", label=name, color=f"C{number}", lw=1.4
-    )

@@ -13,6 +13,7 @@ OTHER_KINDS = {
     "rest": "#2ca02c",
     "steady": "#9467bd",
     "unbounded": "#7f7f7f",
+    "fell": "#7f7f7f",
     "irregular": "#e377c2",
     "impossible": "#000000",
 }
@@ -42,7 +43,7 @@ def draw_map(
         "describing function": np.where(predicted > 0.0, predicted, np.nan),
         "exact": np.where(kinds == "limit_cycle", exact, np.nan),
     }
-    scale = _common_scale(np.concatenate(list(sizes.values())))
+    scale = common_scale(np.concatenate(list(sizes.values())))
     figure, axes = axes_for(axes, 1, 2, sharey=True, figsize=(12, 5.5))
     for axis, (title, size) in zip(axes, sizes.items(), strict=True):
         mesh = axis.pcolormesh(firsts, seconds, size, norm=scale, shading="nearest")
@@ -51,21 +52,20 @@ def draw_map(
     axes[0].set_ylabel(axis_label(second))
     bar = figure.colorbar(mesh, ax=axes, label="arm, peak to peak [rad]")
     style_axis(bar.ax)
-    _mark_other_kinds(axes[1], firsts, seconds, kinds)
+    mark_other_kinds(axes[1], firsts, seconds, kinds)
     if (kinds != "limit_cycle").any():
         legend_outside(figure, "lower center", ncols=len(OTHER_KINDS))
     return axes
 
 
-def _common_scale(sizes: np.ndarray) -> LogNorm | None:
-    """The colour scale of all finite sizes, None if there are none."""
+def common_scale(sizes: np.ndarray) -> LogNorm | None:
+    """The logarithmic colour scale of all finite sizes, None if there are none."""
     finite = sizes[np.isfinite(sizes)]
     return LogNorm(finite.min(), finite.max()) if finite.size else None
 
 
-def _mark_other_kinds(
-    axis: Any, firsts: np.ndarray, seconds: np.ndarray, kinds: np.ndarray
-) -> None:
+def mark_other_kinds(axis: Any, firsts: np.ndarray, seconds: np.ndarray, kinds: np.ndarray) -> None:
+    """Mark the points of :data:`OTHER_KINDS`."""
     column, row = np.meshgrid(firsts, seconds)
     for kind, colour in OTHER_KINDS.items():
         chosen = kinds == kind

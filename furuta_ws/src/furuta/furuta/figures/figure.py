@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullLocator
 
 from furuta.loops import GAINS
 from furuta.quantities import QUANTITIES
@@ -16,6 +17,8 @@ from furuta_model.parameters import ParameterError
 from furuta_ros.whole_files import whole_file
 
 DPI = 110
+# Sizes that differ by more than this factor are drawn on a logarithmic scale.
+WIDE = 5.0
 # Opacity of the grid; it is fainter behind curves in the complex plane.
 GRID, FAINT_GRID = 0.3, 0.25
 # One colour per quantity in all figures. The estimate of a state is thin and dark, its measurement
@@ -109,6 +112,19 @@ def style_axis(axis: Axes, x: str = "", y: str = "", grid: float = GRID) -> None
     if y:
         axis.set_ylabel(y)
     axis.grid(alpha=grid)
+
+
+def scale_sizes(axis: Axes, direction: str, sizes: Any) -> None:
+    """Make the axis x or y of sizes logarithmic if they differ much, with marks at 1, 2 and 5."""
+    known = np.asarray(sizes, float)
+    known = known[np.isfinite(known) & (known > 0.0)]
+    if not known.size or known.max() < WIDE * known.min():
+        return
+    axis.set(**{f"{direction}scale": "log"})
+    marks = getattr(axis, f"{direction}axis")
+    marks.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    marks.set_minor_locator(NullLocator())
+    marks.set_major_formatter("{x:g}")
 
 
 def annotate(axis: Axes, point: tuple[float, float], text: str, **options: Any) -> None:

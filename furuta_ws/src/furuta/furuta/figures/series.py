@@ -18,7 +18,8 @@ from furuta.figures.figure import (
     style_time_series,
 )
 from furuta.quantities import QUANTITIES
-from furuta.studies.phases import Phase
+from furuta.studies.phases import PHASES, TUNED, Phase
+from furuta_friction.compensation import TITLES
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, THETA
 from furuta_recordings.bags.recorded_loop import RecordedRun
@@ -46,13 +47,8 @@ COLUMNS: dict[str, dict[str, dict[str, Any]]] = {
         },
     },
 }
-TITLES = {
-    "none": "no compensation (Fig. 6)",
-    "coulomb": "Coulomb (Fig. 7)",
-    "lugre": "LuGre (Fig. 8)",
-    "tuned": "LuGre, tuned (Fig. 9)",
-    "recommended": "recommended",
-}
+# Titles of the demo's phases that are not those of their compensations.
+OF_PHASES = {"none": "No compensation", TUNED: "LuGre observer, tuned"}
 # Length of the part that is shown of each phase of the demo, and of its friction [s].
 SHOWN, FRICTION_SHOWN = 10.0, 2.5
 # An interval longer than this many usual ones is a gap, over which no line is drawn.
@@ -91,14 +87,21 @@ def draw_series(series: Mapping[str, np.ndarray], axes: Any = None) -> Any:
     return axes
 
 
-def draw_demo(recorded: RecordedRun, phases: list[Phase], axes: Any = None) -> Any:
+def draw_demo(
+    recorded: RecordedRun,
+    phases: list[Phase],
+    rows: list[dict[str, Any]],
+    encoder_count: float,
+    axes: Any = None,
+) -> Any:
     """Draw one column per phase and one row per signal; a row has one scale.
 
+    The title has the swing in the row of the phase, and a band is one count of the arm's encoder.
     The friction is shown for a shorter time, so that its estimate can be told from it.
     """
     shape = (len(COLUMNS), len(phases))
     figure, axes = axes_for(axes, *shape, sharey="row", figsize=(17, 8.5))
-    for column, phase in zip(axes.T, phases, strict=True):
+    for column, phase, row in zip(axes.T, phases, rows, strict=True):
         shown = recorded.between(max(phase.start, phase.end - SHOWN), phase.end)
         series = {
             "true_phi_rad": shown.state[:, PHI],
@@ -109,7 +112,10 @@ def draw_demo(recorded: RecordedRun, phases: list[Phase], axes: Any = None) -> A
         }
         for axis, label in zip(column, COLUMNS, strict=True):
             _draw_row(axis, label, shown.time, series)
-        column[0].set_title(TITLES[phase.compensation])
+        column[0].set_title(_title(phase.compensation, row["phi_peak_to_peak_rad"]))
+        middle = 0.5 * (np.min(shown.state[:, PHI]) + np.max(shown.state[:, PHI]))
+        ends = middle - 0.5 * encoder_count, middle + 0.5 * encoder_count
+        column[0].axhspan(*ends, color=ARM, alpha=0.15, lw=0, label="one encoder count")
         column[3].set_xlim(phase.end - FRICTION_SHOWN, phase.end)
         for axis in column[:2]:
             axis.tick_params(labelbottom=False)
@@ -117,14 +123,23 @@ def draw_demo(recorded: RecordedRun, phases: list[Phase], axes: Any = None) -> A
         axis.set_ylabel(label)
     for axis in axes[2:].flat:
         axis.set_xlabel("time [s]")
-    entries = axes[3, 0].get_legend_handles_labels()
-    legend_outside(figure, "lower center", *entries, ncols=2)
+    handles, labels = axes[3, 0].get_legend_handles_labels()
+    band, count = axes[0, 0].get_legend_handles_labels()
+    entries = [*handles, *band[-1:]], [*labels, *count[-1:]]
+    legend_outside(figure, "lower center", *entries, ncols=3)
     return axes
 
 
 def _same(one: np.ndarray, other: np.ndarray) -> bool:
     """Whether two curves would cover each other."""
     return bool(np.nanmax(np.abs(one - other), initial=0.0) <= SAME * np.ptp(one))
+
+
+def _title(compensation: str, swing: float) -> str:
+    """What a phase of the demo is called, its figure in the paper, and how far the arm swings."""
+    title = (TITLES | OF_PHASES)[compensation]
+    figure = f" ({PHASES[compensation]})" * bool(PHASES[compensation])
+    return f"{title}{figure}\n{swing:.3g} rad ({np.degrees(swing):.2g}°)"
 
 
 def _draw_row(axis: Any, label: str, time: np.ndarray, series: Mapping[str, np.ndarray]) -> None:

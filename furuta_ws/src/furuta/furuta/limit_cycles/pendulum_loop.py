@@ -11,7 +11,7 @@ passes it at 1e-10 is not lost in the rounding of φ and of the deflection.
 
 from __future__ import annotations
 
-from math import cos, pi, sin, sqrt
+from math import cos, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +20,7 @@ from furuta_model.compiled import compiled
 from furuta_model.friction.laws import FrictionLaw, check_friction, sliding_level
 from furuta_model.parameters import ParameterError, validated
 from furuta_model.pendulum import FurutaPendulum, accelerations
-from furuta_model.state import BRISTLE, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
+from furuta_model.state import BRISTLE, HORIZONTAL, PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
 
 LARGEST_GAIN = 1e12
 MAX_SPEED = 1e3  # [rad/s]
@@ -133,7 +133,7 @@ def stuck_rate(y: np.ndarray, dy: np.ndarray, loop: IdealLoop) -> None:
 @compiled
 def unbounded(y: np.ndarray, loop: IdealLoop) -> bool:
     """Whether the pendulum has fallen or the arm is too fast."""
-    return abs(y[THETA]) > 0.5 * pi or abs(y[PHI_DOT]) > MAX_SPEED
+    return abs(y[THETA]) > HORIZONTAL or abs(y[PHI_DOT]) > MAX_SPEED
 
 
 @compiled

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
 
 from furuta.results.result import Result, plain
-from furuta.results.text import table_text
+from furuta.results.text import WIDTH, table_text
 from furuta_recordings.table_files import write_columns
 
 # Rows of a table that are printed.
@@ -40,12 +42,20 @@ class Table(dict[str, np.ndarray], Result):
         """How large the table is."""
         return f"{self.rows} rows, {len(self)} columns"
 
+    def dictionaries(self, number: int | None = None) -> list[dict[str, Any]]:
+        """The first rows, by default all, each by the names of the columns."""
+        return [self.row(k) for k in range(self.rows)[:number]]
+
     def report(self) -> str:
         """The size and the first rows."""
-        first = table_text(
-            [self.row(k) for k in range(min(SHOWN, self.rows))], {name: name for name in self}
-        )
-        return f"{self.sentence()}\n\n{first}{chr(10) + '...' if self.rows > SHOWN else ''}"
+        return self.text(self.dictionaries(SHOWN), self.rows, {name: name for name in self})
+
+    def text(
+        self, rows: Sequence[Mapping[str, Any]], number: int, headings: Mapping[str, str]
+    ) -> str:
+        """The sentence and some of a ``number`` of rows."""
+        more = "\n..." if number > len(rows) else ""
+        return f"{fill(self.sentence(), WIDTH)}\n\n{table_text(rows, headings)}{more}"
 
     def write(self, path: str | Path) -> None:
         """Write the columns to a file, whose suffix determines its format.

@@ -9,9 +9,10 @@ from furuta.outcomes import outcome
 from furuta_recordings.bags.recorded_loop import RecordedRun
 from furuta_sim.simulation.closed_loop import Loop
 
-# The phases: the three compensations of the paper, LuGre with tuned σ₁, and the recommended one.
+# Compensations of the demo, of which one is LuGre with tuned σ₁, and their figures in the paper.
 TUNED = "tuned"
-COMPENSATIONS = ("none", "coulomb", "lugre", TUNED, "recommended")
+PHASES = {"none": "Fig. 6", "coulomb": "Fig. 7", "lugre": "Fig. 8", TUNED: "Fig. 9"}
+PHASES["recommended"] = ""
 # Simulated time [s], and values of σ₁ relative to the one of the settings, among which LuGre is
 # tuned.
 SECONDS = 60.0

@@ -5,8 +5,9 @@ when it is complete.
 """
 
 import csv
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -17,6 +18,10 @@ from furuta_model.parameters import ParameterError
 from furuta_recordings.table_files import parquet_library, write_parquet_rows
 from furuta_ros.whole_files import whole_file
 
+Row = Mapping[str, Any]
+SIZE = "phi_peak_to_peak_rad"
+# Rows that are remembered to be shown.
+FIRST = 10
 # Columns of a run beside its parameters; they are empty if the parameters are impossible.
 OUTCOME: dict[str, type] = {**get_type_hints(Outcome), "error": str}
 
@@ -48,10 +53,41 @@ def write_runs(rows: Iterable[Mapping[str, Any]], out: Path) -> None:
                 writer.writerows(every)
 
 
+class Passed:
+    """What is remembered of runs that pass by, a row by name each.
+
+    ``runs``, ``fell`` and ``impossible`` are numbers, ``reason`` why the first of these is. The
+    arm's swing is ``smallest`` and ``largest`` in these rows. ``first`` are the first rows.
+    """
+
+    def __init__(self, parameters: Iterable[str]) -> None:
+        self.parameters = list(parameters)
+        self.runs = self.fell = self.impossible = 0
+        self.reason = ""
+        self.smallest: Row | None = None
+        self.largest: Row | None = None
+        self.first: list[Row] = []
+
+    def passing(self, rows: Iterable[Row]) -> Iterator[Row]:
+        """The rows."""
+        for row in rows:
+            self.runs += 1
+            self.fell += bool(row["fell"])
+            self.impossible += bool(row["error"])
+            self.reason = self.reason or row["error"]
+            if len(self.first) < FIRST:
+                self.first.append(row)
+            if not (row["error"] or row["fell"]):
+                point = {name: row[name] for name in (*self.parameters, SIZE)}
+                self.smallest = min(self.smallest or point, point, key=itemgetter(SIZE))
+                self.largest = max(self.largest or point, point, key=itemgetter(SIZE))
+            yield row
+
+
 def columns(rows: Iterable[Mapping[str, Any]]) -> dict[str, np.ndarray]:
     """The rows as columns (n,) by name, in which NaN is no value."""
     rows = list(rows)
-    return {name: _column([row[name] for row in rows]) for name in rows[0]}
+    return {name: _column([row[name] for row in rows]) for name in (rows or [{}])[0]}
 
 
 def _column(values: list[Any]) -> np.ndarray:

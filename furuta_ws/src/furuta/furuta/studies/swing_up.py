@@ -1,6 +1,6 @@
 """Swing-up on a rig: from random states, on plants that differ from its model, and after pushes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from math import cos, pi, sqrt
 from typing import NamedTuple
@@ -20,6 +20,8 @@ from furuta_sim.simulation.closed_loop import Loop, Record, simulate
 
 # Pendulum angle [rad] within which it counts as upright: its tip is above 0.9 of its height.
 UPRIGHT_ANGLE = 0.451
+# Starts whose motion is shown, and interval [s] of their angles.
+SHOWN, SHOWN_INTERVAL = 50, 0.02
 # Compensation during swing-up, unless the user chooses another one.
 COMPENSATION = "coulomb"
 # Process noise of the estimator: ten times the default, because the model errs more in large motion
@@ -30,10 +32,17 @@ HANGING = -pi
 
 
 class SwingUpRun(NamedTuple):
-    """When the pendulum was upright for good [s], NaN if never; whether a limit was exceeded."""
+    """When the pendulum was upright for good [s], NaN if never; whether a limit was exceeded.
+
+    ``arm`` and ``speed`` are the largest of the arm relative to its limits, and ``theta`` (n,)
+    [rad] is the pendulum's angle over the whole run.
+    """
 
     upright_s: float
     beyond_limits: bool
+    arm: float
+    speed: float
+    theta: np.ndarray
 
 
 def swing_up_settings(rig: Rig) -> Settings:
@@ -48,14 +57,13 @@ def swing_up_settings(rig: Rig) -> Settings:
 
 def judge(run: Record, loop: Loop) -> SwingUpRun:
     """What a run shows. The limits are those of the controller."""
-    arm, speed = (float(np.max(np.abs(run.state[:, i]))) for i in (PHI, PHI_DOT))
     p = loop.controller
-    beyond = (
-        arm > p.balance.arm_angle_limit
-        or speed > p.balance.arm_speed_limit
-        or float(np.max(np.abs(run.command))) > p.voltage_limit
-    )
-    return SwingUpRun(upright_since(run.state, run.sample_time), beyond)
+    angle = float(np.max(np.abs(run.state[:, PHI]))) / p.balance.arm_angle_limit
+    speed = float(np.max(np.abs(run.state[:, PHI_DOT]))) / p.balance.arm_speed_limit
+    beyond = max(angle, speed) > 1.0 or float(np.max(np.abs(run.command))) > p.voltage_limit
+    shown = slice(None, None, max(1, round(SHOWN_INTERVAL / run.sample_time)))
+    since = upright_since(run.state, run.sample_time)
+    return SwingUpRun(since, beyond, angle, speed, run.state[shown, THETA].copy())
 
 
 def upright_since(state: np.ndarray, sample_time: float) -> float:
@@ -93,12 +101,13 @@ def random_starts(loop: Loop, starts: int, seed: int) -> list[Loop]:
 
 
 def run_starts(loops: list[Loop]) -> Iterator[SwingUpRun]:
-    """Run the loops on all cores; the results in order."""
+    """Run the loops on all cores; the results in order. Only the first ones have an angle."""
     with ThreadPoolExecutor(available_cores()) as pool:
-        yield from pool.map(_run, loops)
+        for number, run in enumerate(pool.map(_run, loops)):
+            yield run if number < SHOWN else run._replace(theta=np.empty(0))
 
 
-def summary(runs: list[SwingUpRun]) -> StartResults:
+def starts_summary(runs: Sequence[SwingUpRun]) -> StartResults:
     """The results of all runs."""
     times = np.array([run.upright_s for run in runs])
     in_time = times <= DEADLINE

@@ -14,6 +14,7 @@ from furuta_model.parameters import values
 from furuta_model.state import PHI
 
 NONE, RECOMMENDED, AS_IT_IS = "none", "recommended", "as it is"
+LEFT = "left the guard"
 
 
 class Compensation(NamedTuple):
@@ -47,27 +48,22 @@ class Trial(NamedTuple):
     given_up: bool = False
 
     @property
-    def is_inside(self) -> bool:
-        """Whether it was neither given up nor outside the guard."""
-        return self.swing < inf and not self.given_up
+    def title(self) -> str:
+        """What is tried."""
+        if self.name in (NONE, AS_IT_IS):
+            return self.name
+        return f"{self.name}, bandwidth × {self.scale:.3g}, lag {1e3 * self.lag:.3g} ms"
+
+    @property
+    def remark(self) -> str:
+        """Why it ended early, if so."""
+        return LEFT if self.swing == inf else "given up" if self.given_up else ""
 
     def __str__(self) -> str:
         """A line of the report."""
-        scale = f" {self.scale:.3g}, lag {1e3 * self.lag:.3g} ms"
-        scale = "" if self.name in (NONE, AS_IT_IS) else scale
         if self.swing == inf:
-            return f"{self.name}{scale}: left the guard"
-        return f"{self.name}{scale}: {'more than ' if self.given_up else ''}{self.swing:.4f} rad"
-
-    def as_json(self) -> dict[str, Any]:
-        """The trial as a JSON object."""
-        return {
-            "compensation": self.name,
-            "scale": self.scale,
-            "lag_s": self.lag,
-            "phi_peak_to_peak_rad": None if self.swing == inf else self.swing,
-            "given_up": self.given_up,
-        }
+            return f"{self.title}: {LEFT}"
+        return f"{self.title}: {'more than ' if self.given_up else ''}{self.swing:.4f} rad"
 
 
 class TuningResult(NamedTuple):
@@ -90,17 +86,6 @@ class TuningResult(NamedTuple):
     def parameters(self) -> dict[str, dict[str, Any]]:
         """The values that tuning changed, by node."""
         return self.after.compensation.changes(self.before.compensation)
-
-    def as_json(self) -> dict[str, Any]:
-        """The result as a JSON object."""
-        return {
-            "parameters": self.parameters,
-            "before": self.before.as_json(),
-            "after": self.after.as_json(),
-            "trials": [trial.as_json() for trial in self.trials],
-            "gain": self.gain,
-            "pendulum_seconds": self.seconds,
-        }
 
 
 def swing_of(estimates: list[np.ndarray]) -> float:

@@ -3,7 +3,8 @@
 import math
 from typing import Any, NamedTuple
 
-from furuta_bringup.page.guided_scenes import COMPENSATION, COMPENSATIONS, IN_SIGHT
+from furuta_bringup.page.guided_scenes import COMPENSATION, IN_SIGHT
+from furuta_friction.compensation import TITLES
 from furuta_model.parameters import ParameterError, number_from_text
 from furuta_ros.yaml_files import parse_yaml
 
@@ -86,7 +87,7 @@ class Described(NamedTuple):
         if isinstance(self.value, bool):
             about |= {"values": [True, False], "words": ["on", "off"]}
         elif self.full_name == COMPENSATION:
-            words = [COMPENSATIONS.get(each, each) for each in self.choices]
+            words = [TITLES.get(each, each) for each in self.choices]
             about |= {"values": self.choices, "words": words}
         elif self.choices:
             about |= {"values": self.choices, "words": self.choices}

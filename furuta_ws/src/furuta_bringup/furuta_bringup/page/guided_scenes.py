@@ -9,9 +9,8 @@ from furuta_ros.yaml_files import parse_yaml
 
 FILE = "guided_scenes.yaml"
 CONTENT = parse_yaml(files(__package__).joinpath(FILE).read_text(encoding="utf-8"), FILE)
-# Plain name and symbol of each parameter in sight, and what each compensation is called.
+# Plain name and symbol of each parameter in sight.
 IN_SIGHT: dict[str, dict[str, Any]] = CONTENT["in_sight"]
-COMPENSATIONS: dict[str, str] = CONTENT["compensations"]
 COMPENSATION = f"{FRICTION_OBSERVER}.compensation"
 
 

@@ -1,27 +1,21 @@
 """``furuta demo``."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
 from shutil import rmtree
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from furuta_bringup.option_types import DIRECTORY
 from furuta_bringup.options import MEASURED_SECONDS, json_option, model_options, option
-from furuta_bringup.printing import print_json, print_table, show, with_progress, with_status
+from furuta_bringup.printing import draw, show, with_progress, with_status
 from furuta_ros.whole_files import whole_file
 
-TITLE = "limit cycle, peak to peak, last quarter of each phase"
-HEADINGS = {
-    "compensation": "compensation",
-    "phi_peak_to_peak_rad": "arm [rad]",
-    "theta_peak_to_peak_rad": "pendulum [rad]",
-    "period_s": "period [s]",
-    "command_rms_v": "u rms [V]",
-    "samples": "samples",
-    "wall_seconds": "took [s]",
-}
+if TYPE_CHECKING:
+    from furuta.results.studies import Demo
 
 
 @click.command()
@@ -51,22 +45,17 @@ def command(
     """
     from furuta.settings.settings import load_settings
 
-    settings = load_settings(files, assignments)
-    summary = _run(settings, seconds, directory, quiet=as_json)
+    demo = _run(load_settings(files, assignments), seconds, directory, quiet=as_json)
     with whole_file(directory / "summary.json") as new:
-        new.write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
-    if as_json:
-        print_json(summary)
-    else:
-        print_table(TITLE, summary["runs"], HEADINGS)
-        show({name: summary[name] for name in ("figure", "bag")}, as_json)
+        new.write_text(json.dumps(demo.to_dict(), indent=2) + "\n", encoding="utf-8")
+    show(demo, as_json)
 
 
-def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[str, Any]:
+def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> Demo:
     with with_status("loading", quiet):
-        from furuta.figures.series import draw_demo
+        from furuta.results.studies import Demo
         from furuta.settings.settings import loop
-        from furuta.studies.phases import COMPENSATIONS, evaluate, tuned_sigma1
+        from furuta.studies.phases import PHASES, tuned_sigma1
         from furuta_bringup.demo_run import run_demo
         from furuta_bringup.warm_up import compile_nodes, workers
         from furuta_recordings.bags.recorded_loop import read_recorded_run
@@ -78,26 +67,28 @@ def _run(settings: Any, seconds: float, directory: Path, quiet: bool) -> dict[st
     _check(bag)
     _clear(new)
     check_new_bag(new)
+    simulated = loop(settings)
     with workers() as pool:
         # In a simulation, which has the numbers of the graph; the first phases run meanwhile.
-        tuning = pool.submit(tuned_sigma1, loop(settings))
+        tuning = pool.submit(tuned_sigma1, simulated)
         compile_nodes(pool, quiet)
         with ros_context(private=True):
             running = run_demo(settings, tuning.result, seconds, new)
-            phases = list(with_progress("running", running, len(COMPENSATIONS), quiet=quiet))
+            phases = list(with_progress("running", running, len(PHASES), quiet=quiet))
     with with_status("reading the bag, drawing", quiet):
         _clear(bag)
         new.rename(bag)
         new.parent.rmdir()
-        recorded = read_recorded_run(bag)
         figure = directory / "demo.png"
-        draw_demo(recorded, phases, figure)
-    return {
-        "runs": evaluate(phases, recorded),
-        "tuned_parameters": {"compensation": "lugre", "sigma1": tuning.result()},
-        "figure": str(figure),
-        "bag": str(bag),
-    }
+        more = {
+            "tuned_parameters": {"compensation": "lugre", "sigma1": tuning.result()},
+            "figure": str(figure),
+            "bag": str(bag),
+        }
+        count = simulated.plant.sensors.encoder_count
+        demo = Demo(read_recorded_run(bag), phases, count, more)
+        draw(demo, figure)
+    return demo
 
 
 def _check(bag: Path) -> None:

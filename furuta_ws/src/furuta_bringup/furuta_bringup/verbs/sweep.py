@@ -1,18 +1,18 @@
 """``furuta sweep``."""
 
-from collections.abc import Iterable, Iterator
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import click
 
 from furuta_bringup.option_types import TABLE
-from furuta_bringup.options import SIMULATED_SECONDS, json_option, model_options, option
-from furuta_bringup.printing import show
-from furuta_model.parameters import ParameterError
-
-DEFAULT_COUNT = 10
+from furuta_bringup.options import (
+    SIMULATED_SECONDS,
+    figure_option,
+    json_option,
+    model_options,
+    option,
+)
+from furuta_bringup.printing import bar, show
 
 
 @click.command()
@@ -25,6 +25,7 @@ DEFAULT_COUNT = 10
     default=Path("output/sweep.csv"),
     help="Results, one row per run; Parquet is smaller and faster to read.",
 )
+@figure_option("Draw the arm's swing over the parameters: curves, or a map over two of them.")
 @model_options
 @json_option
 def command(
@@ -32,6 +33,7 @@ def command(
     seconds: float,
     scheduler: str | None,
     out: Path,
+    figure: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
@@ -42,34 +44,15 @@ def command(
 
     Each run gives the same result as furuta simulate. The table appears when all are done.
     """
-    from furuta.lanes.batch import batch
-    from furuta.settings.settings import load_settings
-    from furuta.studies.study_tables import check_table, write_runs
-    from furuta.studies.sweep import Sweep, outcomes_on_cluster, parse_swept_parameter, run
-    from furuta_bringup.printing import with_progress
+    from furuta import make_loop, sweep
 
-    swept = tuple(parse_swept_parameter(text, DEFAULT_COUNT) for text in ranges)
-    sweep = Sweep(load_settings(files, assignments), swept, seconds)
-    size = sweep.size()
-    check_table(out)
-    simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch
-    results = with_progress("sweeping", run(sweep, simulate), size, quiet=as_json)
-    pairs = zip(sweep.points(), results, strict=True)
-    found: dict[str, Any] = {"runs": size, "fell": 0, "impossible": 0}
-    reasons: list[str] = []
-    write_runs(_counted((point | result for point, result in pairs), found, reasons), out)
-    if found["impossible"] == size:
-        raise ParameterError(f"no run is possible: {reasons[0]}")
-    show(found | {"file": str(out)}, as_json)
-
-
-def _counted(
-    rows: Iterable[dict[str, Any]], found: dict[str, Any], reasons: list[str]
-) -> Iterator[dict[str, Any]]:
-    """The rows, which are counted on their way, and the first reason why one is impossible."""
-    for row in rows:
-        found["fell"] += bool(row["fell"])
-        found["impossible"] += bool(row["error"])
-        if row["error"] and not reasons:
-            reasons.append(row["error"])
-        yield row
+    runs = sweep(
+        ranges,
+        make_loop(assignments, files=files),
+        seconds,
+        out=out,
+        keep_runs=figure is not None,
+        scheduler=scheduler,
+        progress=bar("sweeping", as_json),
+    )
+    show(runs, as_json, figure)

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from furuta_bringup.options import SEED, json_option, option, parameter_options
-from furuta_bringup.printing import show, with_progress, with_status
+from furuta_bringup.options import SEED, figure_option, json_option, option, parameter_options
+from furuta_bringup.printing import bar, show
 
 DEFAULT_RIG = "paper_full_turn"
 
@@ -17,6 +17,7 @@ DEFAULT_RIG = "paper_full_turn"
 @option(
     "--knocks", is_flag=True, help="Also push the pendulum over every 10 s; it must swing up again."
 )
+@figure_option("Draw the pendulum's angle, the times until upright and the arm within its limits.")
 @parameter_options
 @json_option
 def command(
@@ -24,6 +25,7 @@ def command(
     rig: str,
     seed: int,
     knocks: bool,
+    figure: Path | None,
     files: tuple[Path, ...],
     assignments: tuple[str, ...],
     as_json: bool,
@@ -33,16 +35,15 @@ def command(
     A start counts as upright if the pendulum is upright within 10 s and stays so. --knocks adds a
     run of 60 s on the model itself: pushes, falls, swing-ups after them, and the time upright.
     """
-    from furuta.settings.settings import load_settings, loop
-    from furuta.studies import swing_up
-    from furuta_hw.rigs.known_rigs import find_rig
+    from furuta import swing_up
 
-    with with_status("loading", as_json):
-        given = load_settings(files, assignments, swing_up.swing_up_settings(find_rig(rig)))
-        nominal = loop(given)
-        drawn = swing_up.random_starts(nominal, starts, seed)
-    runs = swing_up.run_starts(drawn)
-    report = swing_up.summary(list(with_progress("starting", runs, starts, as_json)))._asdict()
-    if knocks:
-        report |= swing_up.run_knocks(nominal)._asdict()
-    show(report, as_json)
+    found = swing_up(
+        starts,
+        assignments,
+        rig=rig,
+        files=files,
+        seed=seed,
+        knocks=knocks,
+        progress=bar("swinging up", as_json),
+    )
+    show(found, as_json, figure)

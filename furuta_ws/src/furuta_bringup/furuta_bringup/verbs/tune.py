@@ -9,23 +9,21 @@ from typing import TYPE_CHECKING
 import click
 
 from furuta.studies.tuning_plan import TuningPlan
-from furuta_bringup.option_types import FIGURE, PARAMETER_FILE, FiniteRange
+from furuta_bringup.option_types import PARAMETER_FILE, FiniteRange
 from furuta_bringup.options import (
     SIMULATED_SECONDS,
-    joined_node,
+    figure_option,
     json_option,
     model_options,
     namespace_option,
     option,
 )
-from furuta_bringup.printing import print_json, show, with_status
+from furuta_bringup.printing import show, with_status
 from furuta_model.parameters import ParameterError
-from furuta_ros.errors import UserError
 from furuta_ros.whole_files import whole_file
 
 if TYPE_CHECKING:
-    from furuta.studies.trials import TuningResult
-    from furuta.studies.tuning import ProgressCallback
+    pass
 
 DEFAULT = TuningPlan()
 GUARD = FiniteRange(0, min_open=True)
@@ -64,7 +62,7 @@ GUARD = FiniteRange(0, min_open=True)
     help="Largest angle of the pendulum [rad].",
 )
 @option("--out", type=PARAMETER_FILE, help="Write the parameters to a parameter file.")
-@option("--figure", type=FIGURE, help="Draw the swing over bandwidth and lag.")
+@figure_option("Draw the swing of each trial.")
 @model_options
 @json_option
 def command(
@@ -89,58 +87,29 @@ def command(
     and the exit status is still 0. On a running graph the result stays active. Ctrl-C restores the
     initial parameters.
     """
-    from furuta.settings.settings import load_settings, loop
-    from furuta.studies.tuning import tune_simulated
+    from furuta import make_loop, tune
 
-    plan = DEFAULT._replace(seconds=seconds, arm_guard=arm_guard, pendulum_guard=pendulum_guard)
     if running and (files or assignments):
         raise ParameterError("--running cannot be combined with --rig, --params or --set")
     if (namespace or follow) and not running:
         raise ParameterError(f"--{'namespace' if namespace else 'follow'} needs --running")
     report = _quiet if as_json else _report
+    guards = {"arm_guard": arm_guard, "pendulum_guard": pendulum_guard}
     with with_status("tuning", as_json):
         if running:
-            result = _tune_running(plan, namespace, report, follow)
+            from furuta_bringup.tuning_client import tune_running
+
+            plan = DEFAULT._replace(seconds=seconds, **guards)
+            tuned = tune_running(namespace, plan, report, follow)
         else:
-            result = tune_simulated(loop(load_settings(files, assignments)), plan, report)
-    tuned = result.as_json()
+            tuned = tune(make_loop(assignments, files=files), seconds, report, **guards)
     if out is not None:
         import yaml
 
-        file = {node: {"ros__parameters": of} for node, of in tuned["parameters"].items() if of}
+        file = {node: {"ros__parameters": of} for node, of in tuned.parameters.items() if of}
         with whole_file(out) as new:
             new.write_text(yaml.safe_dump(file, sort_keys=False), encoding="utf-8")
-    if figure is not None:
-        from furuta.figures.tuning import draw_tuning
-
-        draw_tuning(result, figure)
-    if as_json:
-        print_json(tuned)
-        return
-    print(f"before  {result.before}\nafter   {result.after}")
-    if not result.gain:
-        print("no gain: nothing is better than the setting as it was")
-        return
-    show(
-        {f"{n}.{name}": v for n, of in tuned["parameters"].items() for name, v in of.items()}, False
-    )
-
-
-def _tune_running(
-    plan: TuningPlan, namespace: str, report: ProgressCallback, follow: float
-) -> TuningResult:
-    from furuta.studies.tuning import tune
-    from furuta_bringup.graph.parameter_client import ParameterClient
-    from furuta_bringup.tuning_client import EstimateBuffer, TuningClient, TuningInterruptedError
-    from furuta_ros.process import StopSignal
-
-    with joined_node("furuta_tune", namespace) as (node, executor):
-        parameter_client, estimates = ParameterClient(node, executor), EstimateBuffer(node)
-        client = TuningClient(parameter_client, estimates, executor, StopSignal())
-        try:
-            return tune(client, client.compensation, plan, report, follow)
-        except TuningInterruptedError:
-            raise UserError("interrupted; the initial parameters are restored") from None
+    show(tuned, as_json, figure)
 
 
 def _report(message: str, seconds: float) -> None:

@@ -55,26 +55,6 @@ def recommended(scores: list[Score], encoder_count: float) -> Score | None:
     return min(accurate, key=lambda score: score.command_step_v, default=None)
 
 
-def comparison_report(
-    table: Table, scores: list[Score], encoder_count: float, by_rig: bool
-) -> dict[str, Any]:
-    """The ranking by name; with the residuals ``by_rig`` of the named rigs."""
-    best = recommended(scores, encoder_count)
-    report: dict[str, Any] = {
-        "rigs": len(table.rigs),
-        "encoder_count_rad": encoder_count,
-        "ranking": [score._asdict() for score in scores],
-        "recommended": best.candidate if best else None,
-    }
-    if by_rig:
-        report["rows"] = [
-            {"truth": rig, "compensation": candidate, "phi_peak_to_peak_rad": float(size)}
-            for rig, sizes in zip(table.rigs, table.residual.T, strict=True)
-            for candidate, size in zip(table.candidates, sizes, strict=True)
-        ]
-    return report
-
-
 def best_bandwidths(table: Table) -> list[dict[str, Any]]:
     """The best of :data:`BANDWIDTHS`, the candidates, on each rig; NaN if it falls with all."""
     sizes, names = table.residual.min(axis=0), ("rig", "best_bandwidth", "residual_at_best_rad")
