@@ -78,6 +78,11 @@ class Verbs(HelpfulGroup):
             return super().invoke(ctx)
         except ModuleNotFoundError as error:
             raise _explained(error, ctx.invoked_subcommand) from None
+        except click.UsageError as error:
+            verb = ctx.invoked_subcommand
+            if error.ctx is None and verb in VERBS:  # so that the error names the verb's help
+                error.ctx = click.Context(_load(verb), ctx, verb)
+            raise
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -159,5 +164,7 @@ def _fail(reason: str, status: int = 1) -> int:
 def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
     text = " ".join(error.format_message().split()).rstrip(".")
+    if isinstance(error, click.BadOptionUsage) and text.endswith("arguments"):
+        text += ", separated by blanks"
     context = getattr(error, "ctx", None)
     return f"{text} (see {context.command_path} --help)" if context else text

@@ -48,7 +48,10 @@ class FiniteRange(click.FloatRange):
         try:
             float(value)
         except ValueError:
-            self.fail(f"{value!r} is not a number; give it without a unit.", param, ctx)
+            several = (
+                "separate numbers by blanks" if "," in str(value) else "give it without a unit"
+            )
+            self.fail(f"{value!r} is not a number; {several}.", param, ctx)
         number = float(super().convert(value, param, ctx))
         if not math.isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)

@@ -7,7 +7,8 @@ import json
 import math
 import sys
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -119,6 +120,21 @@ def finite(value: Any) -> Any:
 def bar(title: str, quiet: bool = False) -> Progress:
     """What shows on the terminal how far a computation is."""
     return lambda items, number: with_progress(title, items, number, quiet)
+
+
+@contextmanager
+def stages(first: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+    """A function that shows what is in work: on a terminal one moving line, else a line each."""
+    if quiet:
+        yield lambda text: None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    console = Console(stderr=True)
+    with console.status(first) as status:
+        shown = status.update if console.is_terminal else console.print
+        yield lambda text: shown(escape(escaped(text)))
 
 
 def with_progress(

@@ -14,6 +14,7 @@ from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import ParameterError
+from furuta_model.progress import Progress, unseen
 
 # True levels of friction, relative to those that the compensators assume.
 LEVELS = (0.8, 1.0, 1.25)
@@ -63,6 +64,7 @@ def compare_on_axis(
     largest_chatter: float = np.inf,
     cycle: JointCycle | None = None,
     others: Sequence[Axis] = (),
+    progress: Progress = unseen,
 ) -> AxisComparison:
     """Simulate an axis with each compensation, and recommend one.
 
@@ -78,6 +80,7 @@ def compare_on_axis(
         largest_chatter: Chatter [N m] up to which a compensation is recommended.
         cycle: The motion without compensation, if it is known.
         others: Further true axes, such as what a recording leaves open.
+        progress: Gets the compensations and their number, and yields them.
 
     Raises:
         ParameterError: The axis is unstable without friction, or an argument is not allowed.
@@ -95,7 +98,7 @@ def compare_on_axis(
     }
     trues = (*(with_level(axis, level) for level in LEVELS), *others)
     residuals = []
-    for compensation in COMPENSATIONS:
+    for compensation in progress(COMPENSATIONS, len(COMPENSATIONS)):
         found = [residual(true, axis, controller, compensation, **options) for true in trues]
         _, errors, sizes, chatters, settled = zip(*found, strict=True)
         worst = max(errors), max(sizes), max(chatters)

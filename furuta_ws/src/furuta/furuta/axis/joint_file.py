@@ -57,7 +57,7 @@ def joint_parameters(
     """Parameters of the node ``friction_observer`` for an identified joint, by full name.
 
     Args:
-        fit: What :func:`furuta.identify_axis` returned.
+        fit: What ``identify_axis`` found.
         joint: Name of the joint.
         sample_time: Time between its measurements [s].
         controller: Its gains, if they are known.
@@ -86,7 +86,7 @@ def write_joint_file(
 
     Args:
         path: The file.
-        fits: What :func:`furuta.identify_axis` returned for each joint.
+        fits: What ``identify_axis`` found for each joint.
         controller: The gains of the joints, if they are known.
         recommended: The compensation that is recommended with them.
 
