@@ -104,7 +104,8 @@ def stable_gains(axis: Axis, controller: Controller) -> dict[str, float]:
         usual = given or sqrt(axis.inertia * controller.stiffness)
         for factor in sorted(CHANGES, key=lambda each: abs(log(each))):
             value = float(f"{factor * usual:.2g}")
-            if max(poles(axis, controller._replace(**{name: value})).real) < 0.0:
+            found_poles = poles(axis, controller._replace(**{name: value}))
+            if max(found_poles.real) < -1e-3 * min(abs(found_poles)):
                 found[name] = value
                 break
     return found

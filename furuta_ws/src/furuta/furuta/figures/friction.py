@@ -92,7 +92,7 @@ def draw_law(axis: Any, curve: FrictionCurve) -> None:
         ms=4,
         lw=1.0,
         color=FRICTION,
-        label="torque minus inertia and load, by speed",
+        label="measured, by speed",
     )
     speed_unit, torque_unit = curve.units
     style_axis(axis, f"speed [{speed_unit}]", f"{curve.shown} [{torque_unit}]")

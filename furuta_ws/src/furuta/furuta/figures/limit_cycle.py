@@ -53,7 +53,7 @@ def draw_joint(motion: Trajectory, title: str, axes: Any = None) -> Any:
     """Draw position and forces of a friction joint over some periods, and the phase plane."""
     figure, axes = axes_for(axes, 1, 3, figsize=(12, 4))
     position, force, plane = axes
-    draw_cycle(position, force, plane, motion, PERIODS)
+    draw_cycle(position, force, plane, motion, PERIODS, ("control", "friction"))
     style_axis(position, "time", "position")
     style_axis(force, "time", "force")
     style_axis(plane, "position", "speed")
@@ -61,17 +61,20 @@ def draw_joint(motion: Trajectory, title: str, axes: Any = None) -> Any:
     return axes
 
 
-def draw_cycle(position: Any, force: Any, plane: Any, motion: Trajectory, periods: int = 1) -> None:
-    """Draw position and forces over some periods, and the phase plane."""
+def draw_cycle(
+    position: Any,
+    force: Any,
+    plane: Any,
+    motion: Trajectory,
+    periods: int = 1,
+    names: tuple[str, str] = (QUANTITIES["command"].title, QUANTITIES["friction"].title),
+) -> None:
+    """Draw position and forces, which have names, over some periods, and the phase plane."""
     time = np.concatenate([motion.time + k * motion.time[-1] for k in range(periods)])
-    phi = motion.state[:, PHI]
+    phi, (control, friction) = motion.state[:, PHI], names
     position.plot(time, np.tile(phi, periods), color=ARM)
-    force.plot(
-        time, np.tile(motion.control, periods), color=VOLTAGE, label=QUANTITIES["command"].title
-    )
-    force.plot(
-        time, np.tile(motion.friction, periods), color=FRICTION, label=QUANTITIES["friction"].title
-    )
+    force.plot(time, np.tile(motion.control, periods), color=VOLTAGE, label=control)
+    force.plot(time, np.tile(motion.friction, periods), color=FRICTION, label=friction)
     force.legend()
     plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 

@@ -41,13 +41,16 @@ def draw_axis(
     ``units`` are those of position and torque.
     """
     position_unit, torque_unit = units
+    drive = "force" if torque_unit == "N" else "torque"
     rows = EXACT + (IDENTIFIED if fit is not None else [])
     axes = numbered_axes(axes, rows, figsize=(10, 3.25 * len(rows)))
     position, after, force, plane = axes[:4]
     if motion is not None:
         state = motion.state.copy()
         state[:, PHI] -= 0.5 * (np.min(state[:, PHI]) + np.max(state[:, PHI]))
-        draw_cycle(position, force, plane, motion._replace(state=state), PERIODS)
+        draw_cycle(
+            position, force, plane, motion._replace(state=state), PERIODS, (drive, "friction")
+        )
     for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
         settled = slice(len(run.time) // 2, None)
         time, error = run.time[settled] - run.time[settled.start], run.error[settled]
@@ -56,7 +59,7 @@ def draw_axis(
         after.margins(y=0.3)
         after.legend()
     style_axis(position, y=f"exact: position [{position_unit}]")
-    style_axis(force, "time [s]", f"torque [{torque_unit}]")
+    style_axis(force, "time [s]", f"{drive} [{torque_unit}]")
     style_axis(plane, f"position [{position_unit}]", f"speed [{position_unit}/s]")
     style_axis(after, "time [s]", f"simulated: error [{position_unit}]")
     if fit is not None:
