@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from furuta.axis import axis as axes
 from furuta.axis import simulation
 from furuta.axis.axis import Axis, Cascade, Pid
-from furuta.axis.compensations import AxisComparison, compare_on_axis
-from furuta.axis.draws import COMPARED, Consequences, consequences
-from furuta.axis.quiet_gains import FEW, HUNTING, QuietGains, quiet_gains
+from furuta.axis.compensations import compare_on_axis
+from furuta.axis.draws import COMPARED, consequences
+from furuta.axis.quiet_gains import FEW, HUNTING, quiet_gains
 from furuta.results.cycles import JointCycle
 from furuta.results.identified import AxisFit
-from furuta.results.servo_axes import AxisRun, AxisStudy, Sampling
+from furuta.results.servo_axes import AxisRun, AxisStudy, Sampling, Study
 from furuta_model.parameters import ParameterError
 from furuta_model.progress import Progress, unseen
 
@@ -86,8 +87,8 @@ def study_axis(
     if fit is not None:
         fit.require(force)
         axis = fit.axis(law)
-        known = fit.found.recordings[0].interval, fit.found.values.get("delay", 0.0)
-        turn = round(2.0 * math.pi / fit.found.resolution)
+        known = fit.recordings[0].interval, fit.values.get("delay", 0.0)
+        turn = round(2.0 * math.pi / fit.resolution)
     elif law is not None or force:
         raise ParameterError("law and force belong to an identified axis")
     else:
@@ -98,43 +99,33 @@ def study_axis(
         known[0] if sample_time is None else sample_time,
         known[1] if delay is None else delay,
     )
-    motions = axes.servo_motions(axis, controller, speed)
-    cycle = next(iter(motions.values()))
-    drawn: Consequences | None = None
-    compared: AxisComparison | None = None
-    quiet: QuietGains | None = None
+    found = axes.servo_motions(axis, controller, speed)
+    motions = {start: JointCycle(motion) for start, motion in found.items()}
+    study = Study(axis, controller, speed, loop, motions, fit)
+    cycle, options = next(iter(found.values())), dict[str, Any](speed=speed, progress=progress)
     if fit is not None:
-        drawn = consequences(others, controller, speed, progress)
+        study = study._replace(consequences=consequences(others, controller, **options))
+        options |= {"by_topic": True, "largest_chatter": QUIET * fit.values.get("alpha0", 0.0)}
     if cycle.kind != "unbounded":
-        compared = compare_on_axis(
-            axis,
-            controller,
-            speed=speed,
-            **loop._asdict(),
-            by_topic=fit is not None,
-            largest_chatter=QUIET * fit.found.values.get("alpha0", 0.0) if fit else np.inf,
-            cycle=cycle,
-            others=others[:COMPARED],
-            progress=progress,
-        )
-        hunts = any(motion.kind in HUNTING for motion in motions.values())
-        if hunts or (drawn is not None and drawn.hunts_in > FEW):
-            quiet = quiet_gains(
-                axis,
-                controller,
-                speed=speed,
-                **loop._asdict(),
-                others=others[:DRAWS_OF_GAINS],
-                progress=progress,
+        study = study._replace(
+            comparison=compare_on_axis(
+                axis, controller, cycle=cycle, others=others[:COMPARED], **loop._asdict(), **options
             )
-    proof = None
+        )
+        may_hunt = study.consequences is not None and study.consequences.hunts_in > FEW
+        if may_hunt or any(motion.kind in HUNTING for motion in motions.values()):
+            others = others[:DRAWS_OF_GAINS]
+            quiet = quiet_gains(
+                axis, controller, speed=speed, others=others, progress=progress, **loop._asdict()
+            )
+            study = study._replace(quiet=quiet)
     if prove:
         from furuta.axis.proof import prove_cycle  # it needs python-flint
 
         if speed:
             raise ParameterError("a cycle is proved at a reference at rest only")
-        proof = prove_cycle(axis, controller)
-    return AxisStudy(axis, controller, speed, loop, motions, fit, drawn, compared, quiet, proof)
+        study = study._replace(proof=prove_cycle(axis, controller))
+    return AxisStudy(study)
 
 
 def simulate_axis(

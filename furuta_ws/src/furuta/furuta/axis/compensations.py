@@ -68,22 +68,12 @@ def compare_on_axis(
 ) -> AxisComparison:
     """Simulate an axis with each compensation, and recommend one.
 
-    Args:
-        axis: The axis as the compensators assume it; the true friction is 0.8, 1 and 1.25 times as
-            large.
-        controller: Its gains.
-        speed: Speed of the reference [rad/s].
-        counts: Counts of the encoder per turn; 0 for a perfect sensor.
-        sample_time: Time between samples [s].
-        delay: Time after which a torque acts [s].
-        by_topic: The friction estimate comes a sample late, as from a node of its own.
-        largest_chatter: Chatter [N m] up to which a compensation is recommended.
-        cycle: The motion without compensation, if it is known.
-        others: Further true axes, such as what a recording leaves open.
-        progress: Gets the compensations and their number, and yields them.
+    The true friction is 0.8, 1 and 1.25 times that which the compensators assume, and that of
+    ``others``. The encoder has ``counts`` per turn, 0 for a perfect one; with ``by_topic`` F̂ comes
+    a sample late. A compensation is recommended up to the ``largest_chatter`` [N m]. ``cycle`` is
+    the motion without one, if it is known.
 
-    Raises:
-        ParameterError: The axis is unstable without friction, or an argument is not allowed.
+    Raises :class:`ParameterError` if the axis is unbounded or a number is not allowed.
     """
     cycle = cycle or servo_cycle(axis, controller, speed)
     if cycle.kind == "unbounded":

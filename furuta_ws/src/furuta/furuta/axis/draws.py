@@ -56,16 +56,7 @@ class Consequences(NamedTuple):
 
 
 def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
-    """The axis of a fit, without what belongs to the recording: offset and drift.
-
-    Args:
-        fit: What ``identify_axis`` found.
-        law: A law that truly sticks: coulomb, stiction or stribeck. None takes stribeck, or
-            stiction if the recording shows that friction falls at once.
-
-    Raises:
-        ParameterError: The law has a bristle, which the recording does not show.
-    """
+    """The axis of a fit, without offset and drift; see :meth:`furuta.results.AxisFit.axis`."""
     at_once = "alpha1" in fit.values and "stribeck_velocity" not in fit.values
     law = law or ("stiction" if at_once else "stribeck")
     if law not in LAWS or find_law(law).bristle:

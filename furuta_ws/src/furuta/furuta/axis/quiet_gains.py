@@ -70,18 +70,8 @@ def quiet_gains(
 ) -> QuietGains:
     """The smallest change of gains with which the axis does not hunt without compensation.
 
-    Args:
-        axis: The axis.
-        controller: Its gains.
-        speed: Speed of the reference [rad/s].
-        counts: Counts of the encoder per turn; 0 for a perfect sensor.
-        sample_time: Time between samples [s].
-        delay: Time after which a torque acts [s].
-        others: Further axes, such as what a recording leaves open.
-        progress: Gets the gains that may be tried and their number, and yields them.
-
-    Raises:
-        ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
+    Nor do nearly all ``others``, such as what a recording leaves open. The rest is as of
+    :func:`furuta.axis.compensations.compare_on_axis`.
     """
     loop = {"speed": speed, "counts": counts, "sample_time": sample_time, "delay": delay}
     candidates = _candidates(controller, axis.inertia)

@@ -62,7 +62,8 @@ def draw_residuals(
         for row, k in enumerate(channels):
             _draw_channel(column[2 * row], column[2 * row + 1], run, k, fits[CHANNELS[k]])
         column[-1].set_xlabel("time [s]")
-    axes[0, 0].legend(loc="upper right", ncols=2, fontsize="small")
+    place = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+    axes[0, 0].legend(**place, ncols=2, frameon=False)
     figure.align_ylabels()
     return axes
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 from furuta.axis.axis import Axis, Controller
@@ -13,7 +14,7 @@ from furuta.identification.axis import identify
 from furuta.identification.axis.friction_curve import axis_followed, axis_friction
 from furuta.identification.verdict import NO, YES, Identified, Verdict
 from furuta.results.result import Found, Result, plain
-from furuta.results.text import table_text, values_text
+from furuta.results.text import WIDTH, table_text, values_text
 from furuta_model.parameters import ParameterError
 
 # What a row says of one of several joints.
@@ -27,6 +28,11 @@ def verdict_sentence(verdict: Verdict, what: str = "values") -> str:
     grade = "not usable" if verdict.usable == NO else verdict.usable
     verb = "are" if what.endswith("s") else "is"
     return f"The {what} {verb} {grade}: {'; '.join(verdict.reasons)}."
+
+
+def findings_text(findings: Iterable[str]) -> str:
+    """How recordings were interpreted, a paragraph each."""
+    return "\n".join(fill(f"- {each}", WIDTH, subsequent_indent="  ") for each in findings)
 
 
 class JointFit(Found):
@@ -62,6 +68,11 @@ class JointFit(Found):
     def sentence(self) -> str:
         """Whether the values are usable."""
         return verdict_sentence(self.found.verdict)
+
+    def table(self, values: Mapping[str, Any]) -> str:
+        """The values with their errors, then how the recordings were interpreted."""
+        own = {name: each for name, each in values.items() if name != "findings"}
+        return f"{values_text(own)}\n\n{findings_text(values['findings'])}"
 
     @property
     def is_usable(self) -> bool:

@@ -16,12 +16,14 @@ from furuta.identification.result.identified_rig import base_rig, write_rig
 from furuta.identification.result.rig_friction import rig_friction
 from furuta.identification.result.values import coloured, fits, values_by_name, verdict_on
 from furuta.identification.verdict import Verdict
-from furuta.results.identified import verdict_sentence
+from furuta.results.identified import JointFit, findings_text, verdict_sentence
 from furuta.results.result import Found, plain
 from furuta.results.text import values_text
 from furuta_hw.rigs.rig import Rig
-from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import findings_of
+
+# A value that another one repeats.
+SAME_AS_COULOMB = "alpha0"
 
 
 class RigModel(Found):
@@ -60,7 +62,7 @@ class RigModel(Found):
 
         A value is None if the data do not determine it; ``undetermined`` has the reason.
         """
-        values = values_by_name(self.found)
+        values = plain(values_by_name(self.found))
         findings = values.pop("findings") + findings_of([run.recording for run in self.held_out])
         if self.laws:
             values["friction_laws"] = [plain(law) for law in self.laws]
@@ -83,7 +85,7 @@ class RigModel(Found):
 
     def table(self, values: Mapping[str, Any]) -> str:
         """The values with their errors, fits, waves and laws as tables, then what was found."""
-        found = values_by_name(self.found)
+        found = plain(values_by_name(self.found))
         one_by_one = {**values, **found["lugre"], **found["setup"]}
         kinds = {name: isinstance(each, float) for name, each in one_by_one.items()}
         beside = {name: values[name] for name in ("standard_errors", "units")}
@@ -93,10 +95,10 @@ class RigModel(Found):
             "held out [%]": _rows(values["held_out"]),
             "torque waves [V]": _waves(values["waves"]),
             "held-out error over Coulomb's": _laws(values.get("friction_laws", ())),
-            "findings": values["findings"],
         }
-        known = {name: each for name, each in one_by_one.items() if kinds[name]}
-        return f"{values_text({**known, **beside})}\n{values_text(rest)}"
+        known = {n: each for n, each in one_by_one.items() if kinds[n] and n != SAME_AS_COULOMB}
+        text = f"{values_text({**known, **beside})}\n{values_text(rest)}"
+        return f"{text}\n\n{findings_text(values['findings'])}"
 
     def write(
         self, path: str | Path, base: Rig | None = None, source: str | Path | None = None
@@ -128,7 +130,10 @@ class RigModel(Found):
 
 
 def _rows(of_recordings: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
-    return [{"recording": name, **row} for name, row in of_recordings.items()]
+    return [
+        {"recording": name, **{title.replace("_", " "): each for title, each in row.items()}}
+        for name, row in of_recordings.items()
+    ]
 
 
 def _waves(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
@@ -142,31 +147,20 @@ def _laws(laws: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return [{"law": law["law"], "parameters": law["parameters"], **law["errors"]} for law in laws]
 
 
-class FreeSwing(Found):
+class FreeSwing(JointFit):
     """The pendulum's own motion: ``values`` and ``standard_errors`` by name, divided by β."""
 
     found: free_swing.FreeSwing
-    details = frozenset({"coloured_percent", "usable", "reasons"})
+    details = JointFit.details | {"coloured_percent"}
 
     def to_dict(self) -> dict[str, Any]:
         """Values by name, standard errors, fit of the angle [%], verdict and findings."""
-        runs = self.found.predictions
+        runs = {run.recording.name: run for run in self.found.predictions}
         return {
-            **self.found.values,
-            "standard_errors": self.found.standard_errors,
-            "fit": {run.recording.name: run.fits()["pendulum angle"] for run in runs},
-            **self.found.verdict._asdict(),
-            "coloured_percent": {run.recording.name: coloured(run) for run in runs},
-            "findings": findings_of([run.recording for run in runs]),
+            **super().to_dict(),
+            "fit": {name: run.fits()["pendulum angle"] for name, run in runs.items()},
+            "coloured_percent": {name: coloured(run) for name, run in runs.items()},
         }
-
-    def sentence(self) -> str:
-        """Whether the values are usable."""
-        return verdict_sentence(self.found.verdict)
-
-    def write(self, path: str | Path, base: Rig | None = None, source: Any = None) -> list[str]:
-        """Raise, for free swings tell nothing of the arm."""
-        raise ParameterError("free swings make no rig: record the driven pendulum")
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the recordings, measured and fitted; see :meth:`Result.plot`."""

@@ -14,11 +14,10 @@ from furuta.axis.compensations import SHORTEST, AxisComparison, Residual
 from furuta.axis.draws import Consequences, left_out
 from furuta.axis.quiet_gains import COUNTS, HUNTING, QuietGains, gain_rows, stable_gains
 from furuta.axis.simulation import AxisRecord, simulate_axis
-from furuta.limit_cycles import joint
 from furuta.limit_cycles.joint import trace_joint
 from furuta.results.cycles import JointCycle, joint_sentence
 from furuta.results.identified import AxisFit
-from furuta.results.result import Found, Result, plain
+from furuta.results.result import Found, plain
 from furuta.results.table import Table
 from furuta.results.text import angle, values_text
 from furuta_model.parameters import ParameterError
@@ -42,37 +41,30 @@ class Sampling(NamedTuple):
     delay: float
 
 
-class AxisStudy(Result):
-    """The final motions of an axis, and what helps against hunting.
+class Study(NamedTuple):
+    """What was computed of an ``axis`` under a ``controller``, behind a ``speed`` [rad/s].
 
-    Attributes:
-        axis: The axis, with its ``controller`` and the ``speed`` of the reference [rad/s].
-        sampling: Encoder, rate and delay of the simulations.
-        motions: Its final motions by start; the first follows from rest.
-        fit: What a recording told of it, or None.
-        consequences: How many axes that the recording may come from hunt, or None.
-        comparison: What remains with each compensation; None for an unbounded motion.
-        quiet: Gains that end the hunting without compensation; None if it does not hunt.
-        proof: Proved bounds of the limit cycle, or None.
+    ``motions`` by start, of which the first follows from rest. Of an identified axis, the ``fit``
+    and the ``consequences``. A ``comparison`` of compensations unless the motion is unbounded;
+    ``quiet`` gains that end the hunting; a ``proof`` of the limit cycle.
     """
 
-    def __init__(
-        self,
-        axis: Axis,
-        controller: Controller,
-        speed: float,
-        sampling: Sampling,
-        motions: Mapping[str, joint.JointCycle],
-        fit: AxisFit | None,
-        consequences: Consequences | None,
-        comparison: AxisComparison | None,
-        quiet: QuietGains | None,
-        proof: Proof | None,
-    ) -> None:
-        self.axis, self.controller, self.speed, self.sampling = axis, controller, speed, sampling
-        self.motions = {start: JointCycle(motion) for start, motion in motions.items()}
-        self.fit, self.consequences, self.comparison = fit, consequences, comparison
-        self.quiet, self.proof = quiet, proof
+    axis: Axis
+    controller: Controller
+    speed: float
+    sampling: Sampling
+    motions: dict[str, JointCycle]
+    fit: AxisFit | None
+    consequences: Consequences | None = None
+    comparison: AxisComparison | None = None
+    quiet: QuietGains | None = None
+    proof: Proof | None = None
+
+
+class AxisStudy(Found):
+    """The final motions of an axis, and what helps against hunting; fields: of :class:`Study`."""
+
+    found: Study
 
     @property
     def cycle(self) -> JointCycle:

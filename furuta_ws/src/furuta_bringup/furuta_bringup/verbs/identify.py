@@ -118,6 +118,7 @@ def command(
     the pendulum swings freely while the arm rests.
     """
     from furuta import identify
+    from furuta.results.rig_models import RigModel
     from furuta_hw.rigs.known_rigs import find_rig
 
     if base and write is None:
@@ -142,7 +143,7 @@ def command(
             report=report,
         )
     written: dict[str, Any] = {}
-    if write is not None and result.verdict.usable != NO:
+    if write and isinstance(result, RigModel) and result.verdict.usable != NO:
         found = result.write(write, given, paths[0])
         written = {"rig_file": str(write), "findings": [*result.to_dict()["findings"], *found]}
     show(result, as_json, figure, **written)

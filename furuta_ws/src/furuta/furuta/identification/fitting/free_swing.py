@@ -43,7 +43,7 @@ from furuta.identification.verdict import Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.cleaning import cleaned
-from furuta_recordings.recording import Recording
+from furuta_recordings.recording import Recording, findings_of
 
 # The scale β [V s²/rad], which the motion does not show: that of a small rig, so that priors suit.
 SCALE = 0.0025
@@ -110,6 +110,20 @@ class FreeSwing(NamedTuple):
     def verdict(self) -> Verdict:
         """Whether the values are usable, and why not."""
         return verdict(self.predictions)
+
+    @property
+    def undetermined(self) -> dict[str, str]:
+        """Nothing: a swing determines all of it."""
+        return {}
+
+    @property
+    def findings(self) -> list[str]:
+        """How the recordings were interpreted."""
+        return findings_of([prediction.recording for prediction in self.predictions])
+
+    def unit(self, name: str) -> str:
+        """The unit is in the name."""
+        return ""
 
 
 def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSwing:
