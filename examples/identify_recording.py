@@ -21,13 +21,15 @@ if sys.argv[1:]:
     recording, zero = furuta.read_recording(sys.argv[1]), "auto"
 else:
     rig = furuta.make_loop(TRUE | {f"excitation.{name}": each for name, each in EXCITATION.items()})
-    series = furuta.simulated_series(furuta.simulate(rig, 8.0))
+    series = furuta.simulate(rig, 8.0).series()
+    for name in series.keys() - set(COLUMNS):
+        del series[name]
     log = Path("output/examples/log.csv")
     log.parent.mkdir(parents=True, exist_ok=True)
-    furuta.write_series(log, {name: series[name] for name in COLUMNS})
+    series.write(log)
     recording, zero = furuta.read_recording(log), "upright"
 
-found = furuta.identified_values(furuta.identify(recording, zero=zero))
+found = furuta.identify(recording, zero=zero).to_dict()
 for name in ("alpha", "beta", "gamma", "delta", "coulomb", "viscous"):
     print(f"{name} {found[name]:.5f} ± {found['standard_errors'][name]:.5f}")
 
