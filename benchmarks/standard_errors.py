@@ -41,7 +41,7 @@ from furuta.identification.bodies.arm_joint import identify_arm_joint
 from furuta.identification.identify import identify
 from furuta.identification.options import Options
 from furuta.identification.regression.equations import has_one_level
-from furuta.identification.result.report import summary, verdict
+from furuta.identification.result.values import values_by_name, verdict
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -97,7 +97,7 @@ def rig(seed: int) -> Judged:
     """A rig, whose verdict and commands decide in which groups it counts."""
     sample, _, recording = sampled(seed)
     model = identify([recording], Options())
-    values, true = summary(model), truth(sample)
+    values, true = values_by_name(model), truth(sample)
     given = values["standard_errors"]
     errors = {name: given[name] for name in true if given[name] and values[name] is not None}
     usable = verdict([model.predict(each) for each in model.recordings]).usable

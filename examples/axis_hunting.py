@@ -13,12 +13,11 @@ import furuta
 friction = furuta.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
 axis = furuta.Axis(inertia=0.01, friction=friction)  # [kg m²], friction in N m
 controller = furuta.Pid(kp=1.0, ki=2.0, kd=0.08)
-cycle = furuta.servo_cycle(axis, controller)
-print(f"{cycle.kind}: {cycle.peak_to_peak:.3f} rad in {cycle.period_s:.2f} s")
-best = furuta.compare_on_axis(axis, controller, cycle=cycle).recommended.compensation
+study = furuta.study_axis(axis, controller)
+print(f"{study.cycle.kind}: {study.cycle.peak_to_peak:.3f} rad in {study.cycle.period_s:.2f} s")
 
 figure, drawn = plt.subplots(figsize=(8, 4), layout="constrained")
-for compensation in ("none", best):
+for compensation in ("none", study.recommended or "none"):
     run = furuta.simulate_axis(axis, controller, compensation=compensation, seconds=40.0)
     settled = run.time >= 20.0
     drawn.plot(run.time[settled], run.error[settled], label=compensation)

@@ -21,7 +21,7 @@ DOCS = ROOT / "docs"
 # Arguments of ``furuta`` by picture. OUT is the picture, DIR a folder in which it appears.
 COMMANDS = {
     "axis.png": "axis --inertia 0.01 --friction "
-    "alpha0=0.1,alpha1=0.1,stribeck_velocity=0.1,viscous=0.005 --pid 1 2 0.08 --out OUT",
+    "alpha0=0.1,alpha1=0.1,stribeck_velocity=0.1,viscous=0.005 --pid 1 2 0.08 --figure OUT",
     "branch.png": "limit-cycle --over viscous=0:0.3 --figure OUT",
     "comparison.png": "compare --rigs 1000 --figure OUT",
     "demo.png": "demo --out DIR",

@@ -10,11 +10,12 @@ from scipy.integrate import solve_ivp
 
 import furuta
 import furuta.limit_cycles.limit_cycle as engine
-from furuta.axis.axis import Controller, parse_friction
-from furuta.axis.compensations import residual
-from furuta.axis.joint_file import NEEDED
+from furuta.axis.axis import Controller, servo_motions
+from furuta.axis.compensations import compare_on_axis, residual
+from furuta.axis.joint_file import NEEDED, joint_parameters, write_joint_file
 from furuta.axis.quiet_gains import gain_rows, quiet_gains
-from furuta.limit_cycles.joint import JointCycle
+from furuta.results.cycles import JointCycle
+from furuta_model.friction.text import friction_from_text
 from furuta_ros.parameter_files import read_sections
 
 FRICTION = furuta.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
@@ -38,19 +39,19 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     time = np.arange(0.0, 10.0, 1e-3)
     moves = 1.5 * np.sin(1.3 * time) + 0.6 * np.sin(3.7 * time) * np.sin(0.4 * time)
     recorded = furuta.simulate_axis(AXIS, PID, reference=moves, counts=4096)
-    furuta.write_series(tmp_path / "axis.csv", recorded.columns)
+    recorded.write(tmp_path / "axis.csv")
 
     fit = furuta.identify_axis(furuta.read_axis(tmp_path / "axis.csv"))
-    axis = furuta.identified_axis(fit)
+    axis = fit.axis()
     cycle = furuta.servo_cycle(axis, PID)
-    recommended = furuta.compare_on_axis(axis, PID, cycle=cycle).recommended
+    study = furuta.study_axis(axis, PID)
 
     assert axis.inertia == pytest.approx(AXIS.inertia, rel=0.02)
     assert axis.friction.alpha0 == pytest.approx(FRICTION.alpha0, rel=0.02)
     assert axis.friction.alpha1 == pytest.approx(FRICTION.alpha1, rel=0.05)
     assert fit.resolution == pytest.approx(2.0 * np.pi / 4096, rel=1e-6)
     path = tmp_path / "joint.yaml"
-    furuta.write_joint_file(path, {"left/elbow": fit}, PID, recommended.compensation)
+    write_joint_file(path, {"left/elbow": fit.found}, PID, study.recommended)
     written = furuta.read_joint_file(path)
     assert written.joint == "left/elbow"
     assert written.controller == PID
@@ -58,7 +59,7 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     assert f"axis.viscous: {axis.friction.viscous:.6g}  # ± " in path.read_text()
     hunting = settled(AXIS, PID, cycle)
     assert cycle.peak_to_peak == pytest.approx(hunting, rel=0.05)
-    assert settled(AXIS, PID, cycle, compensation=recommended.compensation) < 0.1 * hunting
+    assert settled(AXIS, PID, cycle, compensation=study.recommended) < 0.1 * hunting
 
 
 def test_sampled_hunting_is_the_exact_cycle() -> None:
@@ -77,7 +78,7 @@ def test_sampled_hunting_is_the_exact_cycle() -> None:
 def test_both_final_motions_of_a_slow_reference() -> None:
     """From rest the axis sticks and slips; beside that it moves steadily. LSODA gives the same."""
     p = furuta.Friction(1e5, 316.2278, 1.0, 0.5, stribeck_velocity=0.001, viscous=0.4)
-    motions = furuta.servo_motions(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
+    motions = servo_motions(furuta.Axis(1.0, p, "lugre"), furuta.Pid(2.0), 0.1)
     assert {start: motion.kind for start, motion in motions.items()} == {
         "rest": "limit_cycle",
         "steady motion": "steady",
@@ -130,7 +131,7 @@ def test_steady_motion_near_the_stribeck_velocity(velocity: float) -> None:
     p = furuta.Friction(alpha0=1.0, alpha1=0.5, viscous=0.4, stribeck_velocity=velocity)
     speed = 3.5 * velocity
     axis, pd = furuta.Axis(1.0, p, "stribeck"), furuta.Pid(2.0, 0.0, 3.0)
-    steady = furuta.servo_motions(axis, pd, speed)
+    steady = servo_motions(axis, pd, speed)
     motion = steady.get("steady motion", steady["rest"])
     slope = p.viscous - 7.0 / velocity * p.alpha1 * np.exp(-(3.5**2))
     exact = np.linalg.eigvals([[-3.0 - slope, 2.0], [-1.0, 0.0]]).real.max()
@@ -198,7 +199,7 @@ def test_gains_that_end_the_hunting(delay: float) -> None:
     gains = quiet_gains(AXIS, PID, delay=delay).controller
     assert isinstance(gains, furuta.Pid)
     assert gains.ki > 0.0
-    assert {motion.kind for motion in furuta.servo_motions(AXIS, gains).values()} == {"rest"}
+    assert {motion.kind for motion in servo_motions(AXIS, gains).values()} == {"rest"}
     run = furuta.simulate_axis(AXIS, gains, seconds=60.0, delay=delay)
     assert np.ptp(run.error[len(run.error) // 2 :]) <= 2.0 * 2.0 * np.pi / 4096
 
@@ -259,10 +260,10 @@ def test_friction_that_cannot_be_is_refused(wrong: str, given: float) -> None:
     one = np.ones(1)
     calls = [
         lambda: furuta.servo_cycle(axis, PID),
-        lambda: furuta.servo_motions(axis, PID),
+        lambda: servo_motions(axis, PID),
         lambda: furuta.simulate_axis(axis, PID, seconds=0.1),
         lambda: furuta.simulate_axis(axis._replace(friction=FRICTION), PID, model=axis),
-        lambda: furuta.compare_on_axis(axis, PID),
+        lambda: compare_on_axis(axis, PID),
         lambda: furuta.friction_joint((-one[:, None], one, one), axis.friction, axis.law),
         lambda: furuta.friction_law(axis.law, axis.friction),
     ]
@@ -274,20 +275,19 @@ def test_friction_that_cannot_be_is_refused(wrong: str, given: float) -> None:
 def test_bad_input_is_refused() -> None:
     for wrong in ("alpha0", "alpha0=-1", "beta=1", "alpha0=1,alpha1=1"):
         with pytest.raises(furuta.ParameterError):
-            parse_friction(wrong, "stribeck")
+            friction_from_text(wrong, "stribeck")
     with pytest.raises(furuta.ParameterError, match="unbounded"):
-        furuta.compare_on_axis(AXIS, furuta.Pid(1.0, 100.0, 0.01))
+        compare_on_axis(AXIS, furuta.Pid(1.0, 100.0, 0.01))
 
 
 def test_what_is_recommended_for_a_late_loop_with_gears() -> None:
     """The recommended compensation, which bears a late torque and F̂, without chatter."""
+    sampled = {"counts": 2**16, "sample_time": 2e-3}
+    of_a_robot = {"delay": 2e-3, "by_topic": True, "largest_chatter": 0.25 * FRICTION.alpha0}
     compared = [
-        furuta.compare_on_axis(AXIS, PID, counts=2**16, sample_time=2e-3),
-        furuta.compare_on_axis(
-            AXIS, PID, counts=2**16, sample_time=2e-3, delay=2e-3, by_topic=True,
-            largest_chatter=0.25 * FRICTION.alpha0,
-        ),
-    ]  # fmt: skip
+        compare_on_axis(AXIS, PID, **sampled),
+        compare_on_axis(AXIS, PID, **sampled, **of_a_robot),
+    ]
     at_once, late = ({r.compensation: r for r in each.residuals} for each in compared)
     assert [each.recommended.compensation for each in compared] == ["recommended"] * 2
     assert late["recommended"].error_rad < 1.25 * at_once["recommended"].error_rad
@@ -302,14 +302,14 @@ def test_joint_file_of_several_joints(tmp_path: Path) -> None:
     time = np.arange(0.0, 6.0, 1e-3)
     moves = 1.5 * np.sin(1.3 * time) + 0.6 * np.sin(3.7 * time)
     recorded = furuta.simulate_axis(AXIS, PID, reference=moves).recording
-    fit = furuta.identify_axis(recorded)
-    strong = furuta.identify_axis(recorded._replace(command=100.0 * recorded.command))
+    fit = furuta.identify_axis(recorded).found
+    strong = furuta.identify_axis(recorded._replace(command=100.0 * recorded.command)).found
     path = tmp_path / "joints.yaml"
-    furuta.write_joint_file(path, {"on": fit, "2 b": strong}, PID, "coulomb")
+    write_joint_file(path, {"on": fit, "2 b": strong}, PID, "coulomb")
     assert [section.key for section in read_sections(path)][::2] == [
         *("/on/friction_observer", "/_2_b/friction_observer"),
     ]
-    furuta.write_joint_file(path, {"on": fit, "2 b": strong})
+    write_joint_file(path, {"on": fit, "2 b": strong})
     weak, other = (furuta.read_joint_file(path, name).parameters for name in ("on", "2 b"))
     for name, value in weak.items():
         if isinstance(value, float) and value:
@@ -317,7 +317,7 @@ def test_joint_file_of_several_joints(tmp_path: Path) -> None:
             assert other[name] == pytest.approx(100.0 * value if force else value, rel=1e-3), name
     assert weak["compensation"] == "recommended"
     late = fit._replace(values=fit.values | {"delay": 0.0031})
-    given = furuta.joint_parameters(late, "on", 1e-3, PID, "coulomb")
+    given = joint_parameters(late, "on", 1e-3, PID, "coulomb")
     assert (given["compensation"], given["drive.delay"], weak["drive.delay"]) == ("coulomb", 3, 0)
 
 
@@ -345,7 +345,7 @@ def test_friction_under_load_is_simulated_and_identified() -> None:
     """A gear that loses a tenth of the torque loses it in the recording of a simulation too."""
     time = np.arange(10_000) / 500.0
     moves = 0.8 * np.sin(2.0 * time) + 0.5 * np.sin(5.0 * time + 1.0) + 0.1 * np.sin(17.0 * time)
-    friction = parse_friction("alpha0=0.05,viscous=0.02", "coulomb")
+    friction = friction_from_text("alpha0=0.05,viscous=0.02", "coulomb")
     axis = furuta.Axis(0.01, friction, "coulomb", load_friction=0.1)
     run = furuta.simulate_axis(
         axis, furuta.Pid(20.0, 10.0, 0.8), reference=moves, counts=20_000, sample_time=2e-3

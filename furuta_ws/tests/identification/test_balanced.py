@@ -6,7 +6,7 @@ import pytest
 from furuta.identification.identify import identify
 from furuta.identification.model import Model
 from furuta.identification.options import Options
-from furuta.identification.result.report import standard_errors, summary
+from furuta.identification.result.values import standard_errors, values_by_name
 from furuta_control.estimation import EstimatorParameters
 from furuta_model.friction.parameters import Friction
 from furuta_model.sensors import Sensors, drive, measure
@@ -33,7 +33,7 @@ def balanced(seconds: float, ideal: bool) -> Model:
 
 
 def test_coefficients_of_the_paper_from_ideal_sensors() -> None:
-    values = summary(balanced(5.0, ideal=True))
+    values = values_by_name(balanced(5.0, ideal=True))
     assert {name: values[name] for name in PAPER} == pytest.approx(PAPER, rel=1e-3)
     assert values["coulomb"] == pytest.approx(0.21, rel=1e-3)
     assert values["asymmetry"] == pytest.approx(0.1, rel=1e-3)
@@ -43,7 +43,7 @@ def test_coefficients_of_the_paper_from_ideal_sensors() -> None:
 def test_coefficients_of_the_paper_from_the_closed_loop() -> None:
     """The same with the paper's sensors; the truth lies within four standard errors."""
     model = balanced(20.0, ideal=False)
-    values, errors = summary(model), standard_errors(model)
+    values, errors = values_by_name(model), standard_errors(model)
     assert {name: values[name] for name in PAPER} == pytest.approx(PAPER, rel=0.03)
     assert values["coulomb"] == pytest.approx(0.21, rel=0.05)
     assert values["asymmetry"] == pytest.approx(0.1, rel=0.05)

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+import furuta
 from furuta.identification.fitting.free_swing import FreeSwing, identify_free_swing
-from furuta.identification.identify import free_swing_of_files
 from furuta.identification.options import Options
+from furuta.results import rig_models as results
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers import Mapping
 from furuta_recordings.recording import Recording
 
 OMEGA, DAMPING, FRICTION = 9.34, 0.25, 0.5
@@ -66,8 +66,9 @@ def test_frequency_and_friction(found: FreeSwing) -> None:
     assert abs(omega - OMEGA) < 2.0 * error < 4e-3 * OMEGA
     assert found.values["pendulum_damping_1_s"] == pytest.approx(DAMPING, rel=0.1)
     assert found.values["pendulum_friction_rad_s2"] == pytest.approx(FRICTION, rel=0.1)
-    assert found.as_json()["fit"]["swing"] > 98.0
-    assert found.as_json()["verdict"]["usable"] != "no"
+    shown = results.FreeSwing(found).to_dict()
+    assert shown["fit"]["swing"] > 98.0
+    assert shown["usable"] != "no"
 
 
 def test_a_table_with_the_angle_alone(tmp_path: Path, found: FreeSwing) -> None:
@@ -76,12 +77,13 @@ def test_a_table_with_the_angle_alone(tmp_path: Path, found: FreeSwing) -> None:
     table = np.column_stack((log.time, log.measured[:, 2]))
     file = tmp_path / "swing.csv"
     np.savetxt(file, table, delimiter=",", header="Time,angle", comments="", fmt="%.6f")
-    alone = free_swing_of_files((file,), Mapping(pendulum="angle", command="none"), Options())
-    omega, error = frequency_and_error(alone)
+    alone = furuta.identify(furuta.read_recording(file, pendulum="angle", command="none"))
+    assert isinstance(alone, results.FreeSwing)
+    omega, error = frequency_and_error(alone.found)
     assert omega == pytest.approx(frequency_and_error(found)[0], abs=error)
-    assert any("taken to be at rest" in text for text in alone.as_json()["findings"])
+    assert any("taken to be at rest" in text for text in alone.to_dict()["findings"])
     with pytest.raises(ParameterError, match="name the joints"):
-        free_swing_of_files((file,), Mapping(pendulum="angle"), Options())
+        furuta.read_recording(file, pendulum="angle")
 
 
 @pytest.mark.long

@@ -24,17 +24,7 @@ if TYPE_CHECKING:
     from furuta.axis.axis import Axis as Axis
     from furuta.axis.axis import Cascade as Cascade
     from furuta.axis.axis import Pid as Pid
-    from furuta.axis.axis import servo_cycle as servo_cycle
-    from furuta.axis.axis import servo_motions as servo_motions
-    from furuta.axis.compensations import compare_on_axis as compare_on_axis
-    from furuta.axis.draws import consequences as consequences
-    from furuta.axis.draws import drawn_axes as drawn_axes
-    from furuta.axis.draws import identified_axis as identified_axis
-    from furuta.axis.joint_file import joint_parameters as joint_parameters
     from furuta.axis.joint_file import read_joint_file as read_joint_file
-    from furuta.axis.joint_file import write_joint_file as write_joint_file
-    from furuta.axis.quiet_gains import quiet_gains as quiet_gains
-    from furuta.axis.simulation import simulate_axis as simulate_axis
     from furuta.cycles import cycle_branch as cycle_branch
     from furuta.cycles import cycle_map as cycle_map
     from furuta.cycles import friction_joint as friction_joint
@@ -45,10 +35,12 @@ if TYPE_CHECKING:
     )
     from furuta.exports import export_c as export_c
     from furuta.exports import export_joint as export_joint
-    from furuta.identification.axis.identify import identify_axis as identify_axis
-    from furuta.identification.bodies.arm_joint import identify_arm_joint as identify_arm_joint
-    from furuta.identified_models import identified_values as identified_values
+    from furuta.identified_models import identified_rig as identified_rig
     from furuta.identified_models import identify as identify
+    from furuta.identified_models import identify_arm_joint as identify_arm_joint
+    from furuta.identified_models import identify_axes as identify_axes
+    from furuta.identified_models import identify_axis as identify_axis
+    from furuta.identified_models import identify_servo as identify_servo
     from furuta.loops import load_rig as load_rig
     from furuta.loops import make_loop as make_loop
     from furuta.loops import rig_names as rig_names
@@ -62,6 +54,9 @@ if TYPE_CHECKING:
     from furuta.motions import tune as tune
     from furuta.recordings import load_series as load_series
     from furuta.recordings import read_recording as read_recording
+    from furuta.servo_axes import servo_cycle as servo_cycle
+    from furuta.servo_axes import simulate_axis as simulate_axis
+    from furuta.servo_axes import study_axis as study_axis
     from furuta.tables import compare as compare
     from furuta.tables import random_rigs as random_rigs
     from furuta.tables import sweep as sweep

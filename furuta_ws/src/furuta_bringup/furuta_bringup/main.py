@@ -77,6 +77,11 @@ class Verbs(HelpfulGroup):
             return super().invoke(ctx)
         except ModuleNotFoundError as error:
             raise _explained(error, ctx.invoked_subcommand) from None
+        except click.UsageError as error:
+            verb = ctx.invoked_subcommand
+            if error.ctx is None and verb in VERBS:  # so that the error names the verb's help
+                error.ctx = click.Context(_load(verb), ctx, verb)
+            raise
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List all verbs without importing them."""
@@ -149,6 +154,8 @@ def _fail(reason: str, status: int = 1) -> int:
 def _sentence(error: click.ClickException) -> str:
     """What is wrong in one line, and where the usage is explained."""
     text = " ".join(error.format_message().split()).rstrip(".")
+    if isinstance(error, click.BadOptionUsage) and text.endswith("arguments"):
+        text += ", separated by blanks"
     context = getattr(error, "ctx", None)
     if isinstance(error, click.NoSuchOption) and context:  # click's own suggests much
         names = (name for each in context.command.get_params(context) for name in each.opts)

@@ -140,17 +140,22 @@ def with_progress(
 
 
 @contextmanager
-def with_status(text: str, quiet: bool = False) -> Iterator[Callable[[str], None]]:
+def with_status(
+    text: str, quiet: bool = False, lines: bool = False
+) -> Iterator[Callable[[str], None]]:
     """Show a text with a moving sign on the terminal during the ``with`` block.
 
-    The block gets a function that changes the text. It must not print a result: that is for
-    standard output.
+    The block gets a function that changes the text; without a terminal it prints ``lines`` if they
+    are wanted. It must not print a result: that is for standard output.
     """
-    if quiet or not sys.stderr.isatty():
+    is_terminal = sys.stderr.isatty()
+    if quiet or not (is_terminal or lines):
         yield lambda text: None
         return
     from rich.console import Console
     from rich.markup import escape
 
-    with Console(stderr=True).status(escape(text)) as status:
-        yield lambda text: status.update(escape(text))
+    console = Console(stderr=True)
+    with console.status(escape(text)) as status:
+        shown = status.update if is_terminal else console.print
+        yield lambda text: shown(escape(escaped(text)))

@@ -171,6 +171,8 @@ def number_hint(given: Any) -> str:
     """The end of a message on text that is no number: how to write it; empty if it is not near."""
     if not isinstance(given, str) or not _NUMBER.match(given):
         return ""
+    if given.count(",") > 1:
+        return "; separate numbers by blanks"
     if re.fullmatch(r"\s*[-+]?\d*,\d+\s*", given):
         return "; write a decimal point, not a comma"
     return "; give it without a unit"

@@ -108,6 +108,15 @@ def findings_of(recordings: Sequence[Recording]) -> list[str]:
     return list(dict.fromkeys(text for recording in recordings for text in recording.findings))
 
 
+def numbered(recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings, with numbers behind names that are not unique."""
+    names = [recording.name for recording in recordings]
+    return [
+        r._replace(name=f"{r.name} ({k + 1})") if names.count(r.name) > 1 else r
+        for k, r in enumerate(recordings)
+    ]
+
+
 def by_run(recordings: Sequence[Recording]) -> list[list[Recording]]:
     """The excerpts of each run, which have its ``number``."""
     numbers = sorted({recording.number for recording in recordings})

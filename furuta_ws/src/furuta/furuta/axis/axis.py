@@ -14,14 +14,13 @@ Units are kg m², rad and N m, or kg, m and N.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from furuta.limit_cycles.joint import Joint, JointCycle, final_motion, joint
 from furuta.limit_cycles.linear_loop import BRISTLE, W
-from furuta.results.cycles import JointCycle as Shown
-from furuta_model.friction.laws import check_friction, falls, find_law
+from furuta_model.friction.laws import check_friction
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
@@ -169,19 +168,10 @@ def servo_cycle(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint
 
 
 def servo_motions(axis: Axis, controller: Controller, speed: float = 0.0) -> dict[str, JointCycle]:
-    """The different final motions of an axis, from two starts.
+    """The different final motions of an axis, by start; the first is that of :func:`servo_cycle`.
 
-    Args:
-        axis: The axis.
-        controller: Its gains.
-        speed: Speed of the reference [rad/s].
-
-    Returns:
-        The motions by start. The first is that of :func:`servo_cycle`. The other start is a small
-        disturbance, of rest on the reference or of steady motion with it.
-
-    Raises:
-        ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
+    The other start is a small disturbance, of rest on the reference or of steady motion with it.
+    Raises what :func:`servo_joint` raises.
     """
     loop = servo_joint(axis, controller, speed)
     motions: dict[str, JointCycle] = {}
@@ -218,44 +208,3 @@ def poles(axis: Axis, controller: Controller) -> np.ndarray:
     a, _ = _closed(controller, axis.inertia, 0.0)
     a[0, 0] -= axis.friction.viscous / axis.inertia
     return np.linalg.eigvals(a)
-
-
-def axis_report(motions: dict[str, JointCycle]) -> dict[str, Any]:
-    """The final motions of an axis by the names of the command line."""
-    reports = []
-    for start, motion in motions.items():
-        report = {"start": start, **Shown(motion).to_dict()}
-        report["peak_to_peak_rad"] = report.pop("peak_to_peak")
-        reports.append(report)
-    shown = ("start", "kind", "peak_to_peak_rad", "period_s", "stable")
-    others = [{name: report[name] for name in shown} for report in reports[1:]]
-    return reports[0] | {"other_motions": others}
-
-
-def parse_friction(text: str, law: str) -> Friction:
-    """The friction that a text NAME=VALUE,... describes; all else is 0.
-
-    Raises:
-        ParameterError: A name is unknown, a value not allowed, or one that the law needs missing.
-    """
-    given = {}
-    for part in text.split(","):
-        name, _, value = (word.strip() for word in part.partition("="))
-        if name not in Friction._fields:
-            known = ", ".join(Friction._fields)
-            raise ParameterError(f"friction must be NAME=VALUE,... of {known}; given {part!r}")
-        try:
-            given[name] = float(value)
-        except ValueError:
-            raise ParameterError(f"{name} must be a number, given {value!r}") from None
-    needed = ["alpha0"]
-    if given.get("alpha1") and falls(law):
-        needed.append("stribeck_velocity")
-    if find_law(law).bristle:
-        needed.append("sigma0")
-    missing = [name for name in needed if not given.get(name)]
-    if missing:
-        raise ParameterError(f"friction of the law {law} needs {', '.join(missing)} above 0")
-    friction = NOTHING._replace(**{"sigma1": 0.0, **given})
-    check_friction(law, friction)
-    return friction

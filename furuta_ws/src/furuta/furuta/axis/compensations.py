@@ -14,6 +14,7 @@ from furuta.axis.simulation import MOST_SAMPLES, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_model.parameters import ParameterError
+from furuta_model.progress import Progress, unseen
 
 # True levels of friction, relative to those that the compensators assume.
 LEVELS = (0.8, 1.0, 1.25)
@@ -63,24 +64,16 @@ def compare_on_axis(
     largest_chatter: float = np.inf,
     cycle: JointCycle | None = None,
     others: Sequence[Axis] = (),
+    progress: Progress = unseen,
 ) -> AxisComparison:
     """Simulate an axis with each compensation, and recommend one.
 
-    Args:
-        axis: The axis as the compensators assume it; the true friction is 0.8, 1 and 1.25 times as
-            large.
-        controller: Its gains.
-        speed: Speed of the reference [rad/s].
-        counts: Counts of the encoder per turn; 0 for a perfect sensor.
-        sample_time: Time between samples [s].
-        delay: Time after which a torque acts [s].
-        by_topic: The friction estimate comes a sample late, as from a node of its own.
-        largest_chatter: Chatter [N m] up to which a compensation is recommended.
-        cycle: The motion without compensation, if it is known.
-        others: Further true axes, such as what a recording leaves open.
+    The true friction is 0.8, 1 and 1.25 times that which the compensators assume, and that of
+    ``others``. The encoder has ``counts`` per turn, 0 for a perfect one; with ``by_topic`` F̂ comes
+    a sample late. A compensation is recommended up to the ``largest_chatter`` [N m]. ``cycle`` is
+    the motion without one, if it is known.
 
-    Raises:
-        ParameterError: The axis is unstable without friction, or an argument is not allowed.
+    Raises :class:`ParameterError` if the axis is unbounded or a number is not allowed.
     """
     cycle = cycle or servo_cycle(axis, controller, speed)
     if cycle.kind == "unbounded":
@@ -95,7 +88,7 @@ def compare_on_axis(
     }
     trues = (*(with_level(axis, level) for level in LEVELS), *others)
     residuals = []
-    for compensation in COMPENSATIONS:
+    for compensation in progress(COMPENSATIONS, len(COMPENSATIONS)):
         found = [residual(true, axis, controller, compensation, **options) for true in trues]
         _, errors, sizes, chatters, settled = zip(*found, strict=True)
         worst = max(errors), max(sizes), max(chatters)

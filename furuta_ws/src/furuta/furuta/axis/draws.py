@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from furuta.identification.axis.identify import AxisFit
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
+from furuta_model.progress import Progress, unseen
 
 # Draws from the covariance, and how many of them the compensations are compared on.
 DRAWS, COMPARED = 100, 4
@@ -41,9 +42,10 @@ class Consequences(NamedTuple):
 
     def sentence(self, fit: AxisFit) -> str:
         """The consequences in words, and which recording would settle what is open."""
+        unit = fit.recordings[0].units[0]
         text = f"hunts in {self.hunting} of {self.draws} draws"
         if self.hunting:
-            text += f", {self.low_rad:.2g} to {self.high_rad:.2g} rad"
+            text += f", {self.low_rad:.3g} to {self.high_rad:.3g} {unit}"
         if self.is_decided:
             return text
         level = fit.values.get("alpha0", 0.0) + fit.hidden
@@ -54,16 +56,7 @@ class Consequences(NamedTuple):
 
 
 def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
-    """The axis of a fit, without what belongs to the recording: offset and drift.
-
-    Args:
-        fit: What :func:`furuta.identify_axis` returned.
-        law: A law that truly sticks: coulomb, stiction or stribeck. None takes stribeck, or
-            stiction if the recording shows that friction falls at once.
-
-    Raises:
-        ParameterError: The law has a bristle, which the recording does not show.
-    """
+    """The axis of a fit, without offset and drift; see :meth:`furuta.results.AxisFit.axis`."""
     at_once = "alpha1" in fit.values and "stribeck_velocity" not in fit.values
     law = law or ("stiction" if at_once else "stribeck")
     if law not in LAWS or find_law(law).bristle:
@@ -87,7 +80,7 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     was found is not certain either: with half of the axes it is over at once.
 
     Args:
-        fit: What :func:`furuta.identify_axis` returned.
+        fit: What ``identify_axis`` found.
         draws: Number of axes.
         seed: Of the random numbers.
     """
@@ -127,15 +120,11 @@ def _drawn(
     return centre._replace(inertia=inertia, friction=friction._replace(**changes), law=law)
 
 
-def consequences(axes: Sequence[Axis], controller: Controller, speed: float = 0.0) -> Consequences:
-    """Which of some axes hunt under a controller, as :func:`furuta.servo_cycle` has it.
-
-    Args:
-        axes: What :func:`drawn_axes` returned.
-        controller: Its gains.
-        speed: Speed of the reference [rad/s].
-    """
-    cycles = [servo_cycle(axis, controller, speed) for axis in axes]
+def consequences(
+    axes: Sequence[Axis], controller: Controller, speed: float = 0.0, progress: Progress = unseen
+) -> Consequences:
+    """Which of some axes, of :func:`drawn_axes`, hunt under a controller."""
+    cycles = [servo_cycle(axis, controller, speed) for axis in progress(axes, len(axes))]
     sizes = [cycle.peak_to_peak for cycle in cycles if cycle.kind in HUNTING]
     low, high = np.quantile(sizes, (0.05, 0.95)) if sizes else (np.nan, np.nan)
     return Consequences(len(axes), len(sizes), float(low), float(high))
@@ -145,13 +134,3 @@ def left_out(fit: AxisFit) -> list[str]:
     """Reported effects that the axis in a loop does not have."""
     has = {"inertia", "alpha0", "alpha1", "stribeck_velocity", "viscous", "asymmetry"}
     return [name for name in fit.values if name not in has and not name.startswith("offset")]
-
-
-def report(fit: AxisFit, found: Consequences) -> dict[str, Any]:
-    """The consequences by the names of the command line."""
-    return {
-        "hunts_in": found.hunts_in,
-        "hunting_rad": [found.low_rad, found.high_rad],
-        "uncertainty": found.sentence(fit),
-        "left_out": left_out(fit),
-    }

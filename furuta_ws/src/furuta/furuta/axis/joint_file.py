@@ -56,15 +56,7 @@ def joint_parameters(
 ) -> dict[str, Any]:
     """Parameters of the node ``friction_observer`` for an identified joint, by full name.
 
-    Args:
-        fit: What :func:`furuta.identify_axis` returned.
-        joint: Name of the joint.
-        sample_time: Time between its measurements [s].
-        controller: Its gains, if they are known.
-        recommended: The compensation that is recommended with them.
-
-    Raises:
-        ParameterError: No friction was found.
+    Raises :class:`ParameterError` if no friction was found.
     """
     if not fit.values.get("alpha0", 0.0) > 0.0:
         raise ParameterError(f"{joint}: no dry friction found, so there is nothing to compensate")
@@ -82,17 +74,9 @@ def write_joint_file(
     controller: Controller | None = None,
     recommended: str | None = None,
 ) -> None:
-    """Write identified joints, by name, to a joint file.
+    """Write identified joints, by name, to a joint file, with a controller if it is known.
 
-    Args:
-        path: The file.
-        fits: What :func:`furuta.identify_axis` returned for each joint.
-        controller: The gains of the joints, if they are known.
-        recommended: The compensation that is recommended with them.
-
-    Raises:
-        ParameterError: No friction was found, or two names are one for ROS.
-        UserError: The file cannot be written.
+    Raises :class:`ParameterError` if no friction was found, or two names are one for ROS.
     """
     spaces = {namespace_of(joint): joint for joint in fits}
     if len(spaces) < len(fits):

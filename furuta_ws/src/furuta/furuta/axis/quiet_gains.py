@@ -13,15 +13,18 @@ from collections.abc import Sequence
 from math import log, pi, sqrt
 from typing import Any, NamedTuple
 
-from furuta.axis.axis import Axis, Cascade, Controller, Pid, servo_motions
+from furuta.axis.axis import Axis, Cascade, Controller, Pid, poles, servo_motions
 from furuta.axis.compensations import residual
 from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import ParameterError
+from furuta_model.progress import Progress, unseen
 
 # Motions without end about a reference at rest.
 HUNTING = ("limit_cycle", "irregular")
 # Factors of the damping and of the integral action that are tried.
 DAMPING, INTEGRAL = (1.0, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0), (1.0, 0.5, 0.2, 0.1, 0.0)
+# Factors of a gain with which an unstable loop may be stable.
+CHANGES = [1.05**k for k in range(-200, 201)]
 # Counts by which an axis at rest may move, and most of the other axes that may hunt.
 COUNTS, FEW = 2.0, 0.05
 # Units of the gains per unit of the position, which stands for {q}, and of the torque {f}.
@@ -63,23 +66,16 @@ def quiet_gains(
     sample_time: float = 1e-3,
     delay: float = 0.0,
     others: Sequence[Axis] = (),
+    progress: Progress = unseen,
 ) -> QuietGains:
     """The smallest change of gains with which the axis does not hunt without compensation.
 
-    Args:
-        axis: The axis.
-        controller: Its gains.
-        speed: Speed of the reference [rad/s].
-        counts: Counts of the encoder per turn; 0 for a perfect sensor.
-        sample_time: Time between samples [s].
-        delay: Time after which a torque acts [s].
-        others: Further axes, such as what a recording leaves open.
-
-    Raises:
-        ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
+    Nor do nearly all ``others``, such as what a recording leaves open. The rest is as of
+    :func:`furuta.axis.compensations.compare_on_axis`.
     """
     loop = {"speed": speed, "counts": counts, "sample_time": sample_time, "delay": delay}
-    for gains in _candidates(controller, axis.inertia):
+    candidates = _candidates(controller, axis.inertia)
+    for gains in progress(candidates, len(candidates)):
         if any(motion.kind not in ("rest", "steady") for motion in _motions(axis, gains, speed)):
             continue
         hunting = sum(
@@ -89,6 +85,20 @@ def quiet_gains(
         if hunting <= FEW * len(others) and _rests(axis, gains, **loop):
             return QuietGains(gains, highest_level(axis.friction) / max(gains.stiffness, 1e-300))
     return QuietGains(None, float("nan"))
+
+
+def stable_gains(axis: Axis, controller: Controller) -> dict[str, float]:
+    """The nearest value of each gain that alone makes the loop stable without friction, if any."""
+    found = {}
+    for name, given in controller._asdict().items():
+        usual = given or sqrt(axis.inertia * controller.stiffness)
+        for factor in sorted(CHANGES, key=lambda each: abs(log(each))):
+            value = float(f"{factor * usual:.2g}")
+            found_poles = poles(axis, controller._replace(**{name: value}))
+            if max(found_poles.real) < -1e-3 * min(abs(found_poles)):
+                found[name] = value
+                break
+    return found
 
 
 def _motions(axis: Axis, controller: Controller, speed: float) -> Sequence[Any]:

@@ -152,11 +152,6 @@ class AxisRecord(NamedTuple):
         measured[:, PHI] = self.measured
         return Recording("simulation", self.time, measured, self.time, self.torque)
 
-    @property
-    def columns(self) -> dict[str, np.ndarray]:
-        """The recording as columns, for :func:`furuta.write_series`."""
-        return {"time": self.time, "position": self.measured, "torque": self.torque}
-
 
 def simulate_axis(
     axis: Axis,
@@ -171,25 +166,7 @@ def simulate_axis(
     delay: float = 0.0,
     by_topic: bool = False,
 ) -> AxisRecord:
-    """Simulate an axis with encoder, controller and friction compensation.
-
-    Args:
-        axis: The true axis.
-        controller: Its gains; the filter of a PID is replaced by the observer's speed.
-        seconds: Length of the simulation [s].
-        reference: Its constant speed [rad/s], or its positions (n,) [rad] at all samples. With
-            positions the axis starts at the first of them, otherwise as :func:`servo_cycle` has
-            it: at rest away from a reference at rest, on one that moves.
-        compensation: One of the compensators.
-        model: The axis as observer and compensator assume it; the true one by default.
-        counts: Counts of the encoder per turn; 0 for a perfect sensor.
-        sample_time: Time between samples [s].
-        delay: Time after which a torque acts [s], rounded to samples.
-        by_topic: The friction estimate comes a sample late, as from a node of its own.
-
-    Raises:
-        ParameterError: An argument is not allowed, or the loop has no poles.
-    """
+    """Simulate an axis with encoder, controller and compensation; see :mod:`furuta.servo_axes`."""
     choices = {"compensation": (compensation, COMPENSATIONS), "law": (axis.law, LAWS)}
     for name, (given, known) in choices.items():
         if given not in known:

@@ -1,6 +1,6 @@
 """What all figures share: creation, saving, labels and grid; symbols of the parameters."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +74,15 @@ def axes_for(axes: Any, rows: int = 1, columns: int = 1, **options: Any) -> tupl
     figure, shaped = given[0].figure, given.reshape(rows, columns)
     squeezed = shaped if options.get("squeeze") is False else np.squeeze(shaped)
     return figure, squeezed if squeezed.ndim else squeezed.item()
+
+
+def numbered_axes(axes: Any, layout: Sequence[Sequence[int]], **options: Any) -> list[Axes]:
+    """The axes given, or new ones that fill the places of their numbers in a layout of rows."""
+    number = 1 + max(map(max, layout))
+    if axes is not None:
+        return list(np.ravel(axes_for(axes, number)[1]))
+    _, places = plt.subplot_mosaic([list(row) for row in layout], layout="constrained", **options)
+    return [places[k] for k in range(number)]
 
 
 def save_figure(plot: Callable[[], Any], path: Path) -> None:

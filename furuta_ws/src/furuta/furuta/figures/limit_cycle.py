@@ -4,20 +4,16 @@ from typing import Any
 
 import numpy as np
 
-from furuta.axis.simulation import AxisRecord
 from furuta.figures.figure import (
     ARM,
-    ESTIMATE,
     FRICTION,
     PENDULUM,
-    REFERENCE,
     VOLTAGE,
     axes_for,
     axis_label,
     style_axis,
 )
 from furuta.limit_cycles.continuation import BranchPoint
-from furuta.limit_cycles.joint import JointCycle
 from furuta.limit_cycles.periodic_orbit import Trajectory
 from furuta.quantities import QUANTITIES
 from furuta_model.state import PHI, PHI_DOT, THETA
@@ -38,7 +34,7 @@ def draw_limit_cycle(motion: Trajectory, title: str, axes: Any = None) -> Any:
     """Draw arm, pendulum, control and friction over one period, and the arm's phase plane."""
     figure, axes = axes_for(axes, 2, 2, figsize=(10, 6.5))
     (arm, pendulum), (force, plane) = axes
-    _draw_cycle(arm, force, plane, motion)
+    draw_cycle(arm, force, plane, motion)
     pendulum.plot(motion.time, motion.state[:, THETA], color=PENDULUM)
     style_axis(arm, y=QUANTITIES["arm"].axis)
     style_axis(pendulum, y=QUANTITIES["pendulum"].axis)
@@ -52,7 +48,7 @@ def draw_joint(motion: Trajectory, title: str, axes: Any = None) -> Any:
     """Draw position and forces of a friction joint over some periods, and the phase plane."""
     figure, axes = axes_for(axes, 1, 3, figsize=(12, 4))
     position, force, plane = axes
-    _draw_cycle(position, force, plane, motion, PERIODS)
+    draw_cycle(position, force, plane, motion, PERIODS, ("control", "friction"))
     style_axis(position, "time", "position")
     style_axis(force, "time", "force")
     style_axis(plane, "position", "speed")
@@ -60,53 +56,20 @@ def draw_joint(motion: Trajectory, title: str, axes: Any = None) -> Any:
     return axes
 
 
-def draw_axis(
-    motion: Trajectory | None, cycle: JointCycle, runs: dict[str, AxisRecord], axes: Any = None
-) -> Any:
-    """Draw the exact cycle of an axis, and the second half of simulated ``runs``.
-
-    These are given by compensation.
-    """
-    title = f"final motion: {cycle.kind}"
-    if cycle.kind == "limit_cycle":
-        title = (
-            f"limit cycle: {cycle.peak_to_peak:.4g} rad peak to peak, period {cycle.period_s:.3g} "
-            f"s, stuck {cycle.stuck_fraction:.0%}, {'stable' if cycle.stable else 'unstable'}"
-        )
-    figure, axes = axes_for(axes, 2, 2, figsize=(10, 6.5))
-    (position, after), (force, plane) = axes
-    if motion is not None:
-        state = motion.state.copy()
-        state[:, PHI] -= 0.5 * (np.min(state[:, PHI]) + np.max(state[:, PHI]))
-        _draw_cycle(position, force, plane, motion._replace(state=state), PERIODS)
-    for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
-        settled = slice(len(run.time) // 2, None)
-        time, error = run.time[settled] - run.time[settled.start], run.error[settled]
-        after.plot(time, error, color=colour, label=f"compensation {name}")
-    if runs:
-        after.margins(y=0.3)
-        after.legend()
-    style_axis(position, y="exact: position [rad]")
-    style_axis(force, "time [s]", "torque [N m]")
-    style_axis(plane, "position [rad]", "speed [rad/s]")
-    style_axis(after, "time [s]", "simulated: error [rad]")
-    figure.suptitle(title)
-    return axes
-
-
-def _draw_cycle(
-    position: Any, force: Any, plane: Any, motion: Trajectory, periods: int = 1
+def draw_cycle(
+    position: Any,
+    force: Any,
+    plane: Any,
+    motion: Trajectory,
+    periods: int = 1,
+    names: tuple[str, str] = (QUANTITIES["command"].title, QUANTITIES["friction"].title),
 ) -> None:
-    """Draw position and forces over some periods, and the phase plane."""
+    """Draw position and forces, which have names, over some periods, and the phase plane."""
     time = np.concatenate([motion.time + k * motion.time[-1] for k in range(periods)])
-    phi = motion.state[:, PHI]
+    phi, (control, friction) = motion.state[:, PHI], names
     position.plot(time, np.tile(phi, periods), color=ARM)
-    force.plot(
-        time, np.tile(motion.control, periods), color=VOLTAGE, label=QUANTITIES["command"].title
-    )
-    force.plot(
-        time, np.tile(motion.friction, periods), color=FRICTION, label=QUANTITIES["friction"].title
-    )
+    force.plot(time, np.tile(motion.control, periods), color=VOLTAGE, label=control)
+    force.plot(time, np.tile(motion.friction, periods), color=FRICTION, label=friction)
     force.legend()
     plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 

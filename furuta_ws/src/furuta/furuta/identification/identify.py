@@ -1,11 +1,10 @@
 """From recordings to a model: preparation, regression, then output error; and its predictions."""
 
-from pathlib import Path
+from collections.abc import Sequence
 
 import numpy as np
 
 from furuta.identification.fitting.balanced import LARGEST_ANGLE, SEGMENT, fit_balanced, is_balanced
-from furuta.identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta.identification.fitting.held_out_ceiling import with_ceiling
 from furuta.identification.fitting.swinging import fit_swinging
 from furuta.identification.model import Model, Prediction
@@ -22,7 +21,6 @@ from furuta.identification.regression.speeds import speed_lag
 from furuta.identification.shooting.unknowns import ParameterValues
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, THETA
-from furuta_recordings.readers import Mapping, read
 from furuta_recordings.recording import Recording, findings_of
 from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of, split_into_runs
 
@@ -36,33 +34,6 @@ REST = 0.1
 # Largest movement [rad] of a pendulum at rest, and largest deviation [rad] of its angle from the
 # rest angle of the model that is not another zero.
 LARGEST_ZERO_ERROR = 0.03
-
-
-def identify_files(
-    paths: tuple[Path, ...], validation_paths: tuple[Path, ...], names: Mapping, options: Options
-) -> tuple[Model, list[Prediction], list[Prediction]]:
-    """A model of the recordings at ``paths``; its predictions of them and of held-out ones."""
-    model = identify(_read_all(paths, names), options)
-    runs = [run for other in _read_all(validation_paths, names) for run in split_into_runs(other)]
-    held_out = [validate(model, run, options) for run in runs]
-    fitted = [model.predict(recording) for recording in model.recordings]
-    findings = model.findings + findings_of([prediction.recording for prediction in held_out])
-    return model._replace(findings=findings), fitted, held_out
-
-
-def free_swing_of_files(paths: tuple[Path, ...], names: Mapping, options: Options) -> FreeSwing:
-    """Fit the pendulum's own motion to the recordings at ``paths``."""
-    return identify_free_swing(_read_all(paths, names), options)
-
-
-def _read_all(paths: tuple[Path, ...], names: Mapping) -> list[Recording]:
-    """The recordings, each with a unique name."""
-    recordings = []
-    for path in paths:
-        recording = read(path, names)
-        ambiguous = sum(other.name == path.name for other in paths) > 1
-        recordings.append(recording._replace(name=str(path)) if ambiguous else recording)
-    return recordings
 
 
 def identify(recordings: list[Recording], options: Options) -> Model:
@@ -143,6 +114,12 @@ def starting_values(fit: MomentumFit, lag: float, ceiling: float) -> ParameterVa
         lag=lag,
         ceiling=ceiling,
     )
+
+
+def held_out(model: Model, recordings: Sequence[Recording], options: Options) -> list[Prediction]:
+    """What a model predicts of each run of recordings that it was not fitted to."""
+    runs = [run for recording in recordings for run in split_into_runs(recording)]
+    return [validate(model, run, options) for run in runs]
 
 
 def validate(model: Model, recording: Recording, options: Options) -> Prediction:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple, Protocol
+from collections.abc import Iterable
+from typing import NamedTuple, Protocol
 
 from furuta_model.parameters import ParameterError
 
@@ -36,7 +36,7 @@ class Verdict(NamedTuple):
 
 
 class Identified(Protocol):
-    """What every result has: values and standard errors by name, and what is said of them."""
+    """What every fit has: values and standard errors by name, and what is said of them."""
 
     @property
     def values(self) -> dict[str, float]:
@@ -58,15 +58,5 @@ class Identified(Protocol):
     def findings(self) -> list[str]:
         """How the content of the recording was interpreted."""
 
-
-def reported(fit: Identified, unit_of: Callable[[str], str], **more: Any) -> dict[str, Any]:
-    """Everything by name, as the command line prints it."""
-    return {
-        **fit.values,
-        "standard_errors": fit.standard_errors,
-        "undetermined": fit.undetermined,
-        "units": {name: unit_of(name) for name in fit.values},
-        **fit.verdict._asdict(),
-        **more,
-        "findings": fit.findings,
-    }
+    def unit(self, name: str) -> str:
+        """The unit of a value; empty for a number."""

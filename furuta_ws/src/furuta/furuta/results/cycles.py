@@ -153,20 +153,19 @@ class JointCycle(Found):
         return draw_joint(self.trace(), self.sentence(), axes)
 
 
-def joint_sentence(cycle: joint.JointCycle, size: str) -> str:
+def joint_sentence(cycle: joint.JointCycle, size: str, name: str = "The joint") -> str:
     """The kind of motion of a joint, whose peak to peak is ``size`` in words."""
     if cycle.kind == "limit_cycle" and np.isfinite(cycle.period_s):
-        sticks = f"; it sticks {100 * cycle.stuck_fraction:.0f} % of the time" * (
-            cycle.stuck_fraction > 0
-        )
-        return f"The joint hunts by {size} every {cycle.period_s:.3g} s{sticks}."
+        stuck = 100 * cycle.stuck_fraction
+        sticks = f"; it sticks {stuck:.0f} % of the time" * (stuck > 0.0)
+        return f"{name} hunts by {size} every {cycle.period_s:.3g} s{sticks}."
     return {
-        "limit_cycle": f"The joint moves by {size} between two rests, and stays at each until a "
+        "limit_cycle": f"{name} moves by {size} between two rests, and stays at each until a "
         "disturbance has grown.",
-        "steady": "The joint moves steadily.",
-        "rest": "The joint comes to rest.",
+        "steady": f"{name} moves steadily.",
+        "rest": f"{name} comes to rest.",
         "unbounded": "The motion grows without bound.",
-        "irregular": f"The joint moves irregularly, by {size}.",
+        "irregular": f"{name} moves irregularly, by {size}.",
     }[cycle.kind]
 
 

@@ -90,7 +90,7 @@ def table_text(
     """
     rows = list(rows)
     titles = headings or {name: heading(name) for row in rows for name in row}
-    height = max((len(_lines_of(title)) for title in titles.values()), default=0)
+    height = max((len(_title_lines(title)) for title in titles.values()), default=0)
     columns = [_column(title, name, rows, height) for name, title in titles.items()]
     first, room = columns[0], WIDTH - len(indent) - len(columns[0][0]) - GAP
     blocks: list[list[Sequence[str]]] = [[]]
@@ -119,15 +119,16 @@ def heading(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _lines_of(title: str) -> list[str]:
-    """The lines of a title; a name stays whole."""
-    return wrap(title, TITLE, break_long_words=False)
+def _title_lines(title: str) -> list[str]:
+    """The lines of a title; a unit in brackets stays whole."""
+    name, bracket, unit = title.partition(" [")
+    return [title] if len(title) <= TITLE else wrap(name, TITLE) + [f"[{unit}"] * bool(bracket)
 
 
 def _column(title: str, name: str, rows: Sequence[Mapping[str, Any]], height: int) -> list[str]:
     """The lines of a title and the cells of a column, all as wide as the widest."""
     values = [row.get(name) for row in rows]
-    lines = _lines_of(title)
+    lines = _title_lines(title)
     cells = [*[""] * (height - len(lines)), *lines, *map(_cell, values)]
     width = max(map(len, cells))
     is_text = any(isinstance(value, str) for value in values)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -13,6 +14,7 @@ import click
 from furuta_bringup.option_types import FiniteRange
 from furuta_bringup.options import (
     HelpfulGroup,
+    figure_option,
     joined_node,
     json_option,
     namespace_option,
@@ -192,6 +194,7 @@ def signs(port: str, name: str, voltage: float, arm_range: float, as_json: bool)
 @drive_options
 @option("--rate", type=RATES, default=RAMP_RATE, help="Rate of the voltage ramps [V/s].")
 @option("--removed", is_flag=True, help="The pendulum is removed; do not check that it hangs.")
+@figure_option("Draw the measured friction over speed.")
 @json_option
 def friction(
     port: str,
@@ -200,12 +203,14 @@ def friction(
     arm_range: float,
     rate: float,
     removed: bool,
+    figure: Path | None,
     as_json: bool,
 ) -> None:
     """Measure Coulomb, stiction and viscous friction. DRIVES THE ARM, within limits.
 
     The pendulum must hang at rest or be removed. This takes one to two minutes.
     """
+    from furuta.results.rig_friction import MeasuredFriction
     from furuta_hw.commissioning.friction import check_arm_range, check_hanging, measure_friction
 
     with with_status("reading", as_json) as tell, _open_rig(port, name) as session:
@@ -214,8 +219,7 @@ def friction(
             check_hanging(list(session.samples(REST_SECONDS)))
         experiment = measure_friction(session.rig, rate, tell, voltage)
         levels = session.drive(experiment, voltage, arm_range)
-    derived = {name: getattr(levels, name) for name in ("alpha0", "alpha1", "asymmetry")}
-    show(levels._asdict() | derived, as_json)
+    show(MeasuredFriction(levels), as_json, figure)
 
 
 @contextmanager

@@ -2,15 +2,18 @@
 
 from math import isfinite, nan, radians
 from pathlib import Path
+from typing import Any
 
 import click
 
-from furuta.identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS, Options
-from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
-from furuta_bringup.options import json_option, names_options, option
-from furuta_bringup.printing import escaped, print_json, show
+from furuta.identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS
+from furuta.identification.verdict import NO
+from furuta.results.text import values_text
+from furuta_bringup.option_types import PATH, FiniteRange
+from furuta_bringup.options import figure_option, json_option, names_options, option
+from furuta_bringup.printing import print_text, show, with_status
 from furuta_model.parameters import ParameterError
-from furuta_recordings.readers import Mapping
+from furuta_recordings.readers import Mapping, read
 from furuta_recordings.readers.mapping import NO_COMMAND
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
@@ -79,12 +82,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     help="Compare friction laws of the arm by how well they predict held-out recordings, or "
     "held-out halves of a single recording.",
 )
-@option("--out", type=FIGURE, help="Draw the residuals.")
-@option(
-    "--figure",
-    type=FIGURE,
-    help="Draw the arm's friction over speed, and its angle, measured and fitted.",
-)
+@figure_option("Draw the arm's friction over speed, and the recordings, measured and fitted.")
 @option(
     "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other commands."
 )
@@ -108,7 +106,6 @@ def command(
     window: float | None,
     validation_paths: tuple[Path, ...],
     laws: bool,
-    out: Path | None,
     figure: Path | None,
     write: Path | None,
     base: str,
@@ -120,66 +117,36 @@ def command(
     left out, with the reason. A model that is not usable is not written. Use `--command none` if
     the pendulum swings freely while the arm rests.
     """
-    from rich.console import Console
-    from rich.markup import escape
-
-    from furuta.identification.identify import free_swing_of_files, identify_files
-    from furuta.identification.result.report import full_report, report_lines, verdict_of
-    from furuta.identification.verdict import NO
+    from furuta import identify
+    from furuta.results.rig_models import RigModel
     from furuta_hw.rigs.known_rigs import find_rig
 
-    options = Options(zero, window, angles, command_scale, DIRECTIONS[direction], ceiling)
     if base and write is None:
         raise ParameterError(
             "--rig gives the sensors, line and limits of the rig that is written: "
             "add --write FILE.yaml, or leave --rig out"
         )
-    if names.command == NO_COMMAND:
-        if out or figure or write or validation_paths or laws:
-            raise ParameterError(
-                "free swings give no model: no --out, --figure, --write, --validate, --laws"
-            )
-        swing = free_swing_of_files(paths, names, options).as_json()
-        show(swing, as_json)
-        verdict_of(swing).require()
-        return
+    if names.command == NO_COMMAND and (write or validation_paths or laws):
+        raise ParameterError("free swings give no model: no --write, --validate, --laws")
     given = find_rig(base) if base else None
-    console = Console(stderr=True)
-    with console.status("reading") as status:
-        # Without a terminal there is no line to update: a line for each stage.
-        stage = status.update if console.is_terminal else console.print
-        options = options._replace(report=lambda text: stage(escape(escaped(text))))
-        model, fitted, held_out = identify_files(paths, validation_paths, names, options)
-        if laws:
-            from furuta.identification.fitting.friction_laws import (
-                compare_laws,
-                simplest_adequate_law,
-            )
-
-            compared = compare_laws(model, options.report)
-    result = full_report(model, fitted, held_out)
-    if laws:
-        result["friction_laws"] = [law._asdict() for law in compared]
-        result["simplest_adequate_law"] = simplest_adequate_law(compared).law
-    if out is not None:
-        from furuta.figures.residual import draw_residuals
-
-        draw_residuals(fitted, held_out, out)
-        result["figure"] = str(out)
-    if figure is not None:
-        from furuta.figures.friction import draw_friction
-        from furuta.identification.result.rig_friction import rig_followed, rig_friction
-
-        draw_friction(rig_friction(model), rig_followed(fitted), figure)
-        result["friction_figure"] = str(figure)
-    verdict = verdict_of(result)
-    if write is not None and verdict.usable != NO:
-        from furuta.identification.result.identified_rig import write_rig
-
-        result["findings"] += write_rig(model, write, given, paths[0], verdict)
-        result["rig_file"] = str(write)
-    if as_json:
-        print_json(result)
-    else:
-        print(*map(escaped, report_lines(result)), sep="\n")
-    verdict.require()
+    with with_status("reading", as_json, lines=True) as report:
+        result = identify(
+            [read(path, names) for path in paths],
+            zero=zero,
+            direction=DIRECTIONS[direction],
+            angles=angles,
+            command_scale=command_scale,
+            ceiling=ceiling,
+            window=window,
+            validate=[read(path, names) for path in validation_paths],
+            laws=laws,
+            report=report,
+        )
+    written: dict[str, Any] = {}
+    if write and isinstance(result, RigModel) and result.verdict.usable != NO:
+        found = result.write(write, given, paths[0])
+        written = {"rig_file": str(write), "findings": [*result.to_dict()["findings"], *found]}
+    show(result, as_json, figure, **written)
+    if written and not as_json:
+        print_text(values_text({"rig_file": str(write), "sensors_of_rig": found}))
+    result.verdict.require()

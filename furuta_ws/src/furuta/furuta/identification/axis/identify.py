@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,9 +29,10 @@ from furuta.identification.bodies.axis import wave
 from furuta.identification.bodies.body import Segments
 from furuta.identification.errors import quantisation_step
 from furuta.identification.least_squares import COARSE, Fit
+from furuta.identification.options import silent
 from furuta.identification.selection import chance_of, significance
 from furuta.identification.unknowns import Key, field_of, name_of
-from furuta.identification.verdict import DOUBTFUL, NO, Verdict, reported
+from furuta.identification.verdict import DOUBTFUL, NO, Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned
@@ -105,30 +106,27 @@ class AxisFit(NamedTuple):
         """
         return _free_runs(self, recording, (("offset", 0),) if own_offset else ())
 
-    def report(self) -> dict[str, Any]:
-        """Everything by name, as the command line prints it."""
-        return reported(
-            self,
-            lambda name: unit_of(name, self.recordings[0].units),
-            covariance={"names": list(self.names), "values": self.covariance.tolist()},
-            resolution=self.resolution,
-            error=_free_runs(self, self.recordings[0], (("offset", 0), "drift")),
-        )
+    @property
+    def own_error(self) -> float:
+        """That of the free run over the first recording, with its own offset and drift."""
+        return _free_runs(self, self.recordings[0], (("offset", 0), "drift"))
+
+    def unit(self, name: str) -> str:
+        """The unit of a value; empty for a number."""
+        return unit_of(name, self.recordings[0].units)
 
 
-def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
-    """Fit an axis to recordings of its position and of the torque of its drive.
+def identify_axis(
+    recordings: Recording | Sequence[Recording], report: Callable[[str], None] = silent
+) -> AxisFit:
+    """Fit an axis to recordings, which have their own offsets; ``report`` gets each stage.
 
-    Args:
-        recordings: What :func:`furuta.read_axis` returned; several of the same axis have their own
-            offsets.
-
-    Raises:
-        ParameterError: The axis hardly moves, or the recording does not determine its inertia.
+    Raises :class:`ParameterError` if the axis hardly moves or its inertia is not determined.
     """
     given = [recordings] if isinstance(recordings, Recording) else list(recordings)
     ready = [_prepared(recording) for recording in given]
     cut = segmented(ready)
+    report("fitting inertia and friction to the motion")
     base, scales = _first_fit(ready, cut)
     torques = balanced(ready, base, scales) if base.rms > POOR else None
     if torques is not None:
@@ -140,6 +138,7 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
         base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
     best = base
     if part <= UNEXPLAINED_PART or torques is None or torques.part <= UNEXPLAINED_PART:
+        report("looking for further effects")
         best = supported(cut, base, scales, drift=len(ready) == 1)
         if best.rms < EXCESSIVE:
             cut = _reweighted(cut, best)
@@ -149,6 +148,7 @@ def identify_axis(recordings: Recording | Sequence[Recording]) -> AxisFit:
             prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
             best = min(best, prompt, key=lambda each: each.cost)
     part = best.rms * _noise(cut) / _forced_motion(cut)
+    report("computing standard errors")
     if part <= USELESS_PART:
         return _result(ready, cut, best, scales, sensor)
     if torques is not None and torques.part <= USELESS_PART and torques.fit.values["inertia"] > 0.0:

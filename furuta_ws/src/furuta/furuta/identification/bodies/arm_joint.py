@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -46,7 +46,7 @@ from furuta.identification.least_squares import Fit
 from furuta.identification.regression.windows import Windows
 from furuta.identification.selection import significance
 from furuta.identification.unknowns import Key, Values, field_of, name_of
-from furuta.identification.verdict import DOUBTFUL, Verdict, reported
+from furuta.identification.verdict import DOUBTFUL, Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
@@ -113,14 +113,9 @@ class ArmJointFit(NamedTuple):
         """Whether the values are usable, and why not."""
         return Verdict(self.usable, self.reasons)
 
-    def report(self) -> dict[str, Any]:
-        """Everything by name, as the command line prints it."""
-        return reported(
-            self,
-            lambda name: unit_of(name, self.recording.units),
-            covariance={"names": list(self.names), "values": self.covariance.tolist()},
-            left_over=self.part,
-        )
+    def unit(self, name: str) -> str:
+        """The unit of a value; empty for a number."""
+        return unit_of(name, self.recording.units)
 
 
 class _Arm(NamedTuple):
@@ -135,17 +130,10 @@ class _Arm(NamedTuple):
 def identify_arm_joint(
     recording: Recording, others: Sequence[Recording] = (), urdf: str | Path | None = None
 ) -> ArmJointFit:
-    """Fit the friction of one joint of an arm of which other joints move too.
+    """Fit the friction of one joint of an arm of which ``others`` move too.
 
-    Args:
-        recording: Position and torque of the joint, as :func:`furuta.read_axis` returns them.
-        others: Positions of the other joints that move (``read_axis(..., command="none")``).
-        urdf: The arm's geometry, whose joints have the names of the recordings' joints. Masses in
-            it are not used. All joints without a recording are taken to be fixed at 0.
-
-    Raises:
-        ParameterError: The joint hardly moves, a name is not in the URDF, or too little is
-            recorded.
+    Raises :class:`ParameterError` if the joint hardly moves, too little is recorded, or a name is
+    not in the URDF.
     """
     own, positions = _together(recording, others)
     arm, about = _arm(own, positions, urdf)

@@ -11,7 +11,7 @@ of the servo.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from furuta.identification.bodies.body import Differentiated, Segments
 from furuta.identification.least_squares import Fit, Problem, evaluated, fit
 from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Unknown, Unknowns, Values
-from furuta.identification.verdict import DOUBTFUL, Verdict, reported
+from furuta.identification.verdict import DOUBTFUL, Verdict
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
@@ -71,9 +71,9 @@ class ServoFit(NamedTuple):
         """Whether the values are usable, and why not."""
         return Verdict(self.usable, self.reasons)
 
-    def report(self) -> dict[str, Any]:
-        """Everything by name, as the command line prints it."""
-        return reported(self, lambda name: UNITS.get(name, self.position_unit), left_over=self.left)
+    def unit(self, name: str) -> str:
+        """The unit of a value, per stiffness of the loop."""
+        return UNITS.get(name, self.position_unit)
 
 
 class Servo(Differentiated):

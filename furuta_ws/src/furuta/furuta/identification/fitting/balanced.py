@@ -39,11 +39,14 @@ def fit_balanced(
     window = options.window or SEGMENT
     scale = np.median([noise_of(recording) for recording in recordings], axis=0)
     keys, values = _first_unknowns(recordings, start)
-    options.report("fitting segments of a balanced pendulum")
+    stage = "fitting segments of a balanced pendulum, step {} of 4"
+    options.report(stage.format(1))
     values = optimise(recordings, keys, values, 0.2 * window, scale, False).values
     keys += LUGRE
+    options.report(stage.format(2))
     values = optimise(recordings, keys, values, 0.5 * window, scale, False).values
     keys.append("delay")
+    options.report(stage.format(3))
     optimum = optimise(recordings, keys, values, window, scale, False)
     values = optimum.values
     error = np.sqrt(covariance_and_information(optimum, {})[0][-1, -1])
@@ -52,7 +55,9 @@ def fit_balanced(
         findings.append(f"no significant delay of the command ({milliseconds:.3f} ms): set to zero")
         keys.remove("delay")
         values = values.changed(["delay"], [0.0])
+    options.report(stage.format(4))
     optimum = optimise(recordings, keys, values, window, scale, False, FINE)
+    options.report("computing standard errors")
     certainty = covariance_and_information(optimum, {})
     return Model(optimum.values, keys, *certainty, window, scale, recordings, findings)
 

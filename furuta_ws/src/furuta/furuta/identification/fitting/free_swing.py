@@ -23,7 +23,7 @@ with friction as a small disturbance and an arm at rest.
 """
 
 import itertools
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.special import ellipk
@@ -32,13 +32,14 @@ from furuta.identification.errors import noise_of, quantisation_step
 from furuta.identification.model import Prediction
 from furuta.identification.options import Options
 from furuta.identification.preparation.angles import AUTO, DEGREES, RADIANS, in_unit
-from furuta.identification.result.report import judged
+from furuta.identification.result.values import verdict
 from furuta.identification.shooting.optimisation import FINE, Optimum, optimise, residual_scale
 from furuta.identification.shooting.unknowns import ParameterValues
 from furuta.identification.uncertainty.covariance import (
     covariance_and_information,
     difference_covariance,
 )
+from furuta.identification.verdict import Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.cleaning import cleaned
@@ -105,15 +106,24 @@ class FreeSwing(NamedTuple):
     standard_errors: dict[str, float]
     predictions: list[Prediction]
 
-    def as_json(self) -> dict[str, Any]:
-        """Values by name, standard errors, fit of the angle [%], verdict and findings."""
-        return {
-            **self.values,
-            "standard_errors": self.standard_errors,
-            "fit": {p.recording.name: p.fits()["pendulum angle"] for p in self.predictions},
-            "verdict": judged(self.predictions),
-            "findings": findings_of([p.recording for p in self.predictions]),
-        }
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the values are usable, and why not."""
+        return verdict(self.predictions)
+
+    @property
+    def undetermined(self) -> dict[str, str]:
+        """Nothing: a swing determines all of it."""
+        return {}
+
+    @property
+    def findings(self) -> list[str]:
+        """How the recordings were interpreted."""
+        return findings_of([prediction.recording for prediction in self.predictions])
+
+    def unit(self, name: str) -> str:
+        """The unit is in the name."""
+        return ""
 
 
 def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSwing:

@@ -1,5 +1,7 @@
 """Fits a pendulum that swings from hanging: short segments first, then free runs."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from furuta.identification.errors import noise_of
@@ -70,8 +72,7 @@ def fit_swinging(
     if level:
         keys = [key for key in keys if key not in DRY]
         start = start.changed(DRY, (level, 0.0))
-    options.report("fitting each recording")
-    own_fits = _own_fits(recordings, [*keys, "zero"], start, window)
+    own_fits = _own_fits(recordings, [*keys, "zero"], start, window, options.report)
     options.report("fitting all together")
     numbers = [run[0].number for run in by_run(recordings)]
     zeros: list[Key] = [("zero", number) for number in numbers]
@@ -126,12 +127,20 @@ def _against_free_runs(optimum: Optimum) -> str:
 
 
 def _own_fits(
-    recordings: list[Recording], keys: list[Key], start: ParameterValues, window: float
+    recordings: list[Recording],
+    keys: list[Key],
+    start: ParameterValues,
+    window: float,
+    report: Callable[[str], None],
 ) -> list[Optimum]:
     """A fit of each recording alone, with all its excerpts."""
     scale = np.median([noise_of(recording) for recording in recordings], axis=0)
     scale = np.maximum(scale, FIRST_SCALE)
-    return [fit_growing_segments(run, keys, start, window, scale) for run in by_run(recordings)]
+    fits, runs = [], by_run(recordings)
+    for number, run in enumerate(runs, 1):
+        report(f"fitting {run[0].name}, {number} of {len(runs)}")
+        fits.append(fit_growing_segments(run, keys, start, window, scale))
+    return fits
 
 
 def fit_growing_segments(

@@ -121,19 +121,12 @@ def _name_in_rig(key: Key) -> str:
     return f"wave{key[1]}_{key[0]}"
 
 
-def write_rig(
-    model: Model, file: Path, given: Rig | None, source: Path, verdict: Verdict
-) -> list[str]:
-    """Write the rig file with sensors, line and limits of the ``given`` rig.
+def write_rig(model: Model, file: Path, base: Rig, findings: list[str], verdict: Verdict) -> None:
+    """Write the rig file with sensors, line and limits of a rig, which ``findings`` are about.
 
-    Without one they are those of the recording at ``source``. The file says what the ``verdict``
-    on the model is. Returns where sensors, line and limits come from.
+    The file says what the ``verdict`` on the model is.
     """
-    findings = []
-    if given is None:
-        given, origin = _recorded_rig(source, model.recordings[0])
-        findings = [f"{model.recordings[0].name}: {origin}"]
-    rig, uncertainty = identified_rig(model, given)
+    rig, uncertainty = identified_rig(model, base)
     comments = [
         "Identified from recordings; load with --rig.",
         f"Usable: {verdict.sentence()}",
@@ -142,16 +135,24 @@ def write_rig(
     ]
     with whole_file(file) as new:
         new.write_text(rig_file_text(rig, uncertainty, file.stem, comments), encoding="utf-8")
-    return findings
 
 
-def _recorded_rig(path: Path, recording: Recording) -> tuple[Rig, str]:
+def base_rig(model: Model, given: Rig | None, source: str | Path | None) -> tuple[Rig, list[str]]:
+    """The given rig, or that of a model's first recording at ``source``; and where it is from."""
+    if given is not None:
+        return given, []
+    first = model.recordings[0]
+    found, origin = _recorded_rig(Path(source) if source else None, first)
+    return found, [f"{first.name}: {origin}"]
+
+
+def _recorded_rig(path: Path | None, recording: Recording) -> tuple[Rig, str]:
     """Sensors, sample time and drive of the rig of a recording, and where they come from.
 
     They are those of the parameters that are stored in our own bags, else the paper's. Raises
     :class:`ParameterError` if these parameters, or the rig file that they name, are not valid.
     """
-    parameters = parameter_file_of(path)
+    parameters = parameter_file_of(path) if path else None
     given = read_sections(parameters) if parameters else []
     sections = {section.key.rpartition("/")[2]: section.parameters for section in given}
     file = str(sections.get("hardware_bridge", {}).get("rig", ""))

@@ -1,18 +1,16 @@
-"""Friction over the speed of the arm of an identified rig, and its measured and fitted motion."""
+"""Friction over the speed of the arm of an identified rig."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from furuta.identification.model import Model, Prediction
+from furuta.identification.model import Model
 from furuta.identification.regression.equations import SLOW, mean_command
 from furuta.identification.regression.speeds import with_speeds
 from furuta.identification.regression.windows import OVERLAP, Windows
-from furuta.identification.result.friction_curve import Followed, FrictionCurve, friction_curve
+from furuta.identification.result.friction_curve import FrictionCurve, friction_curve
 from furuta_model.friction.laws import friction_law, steady_friction
-from furuta_model.state import PHI, PHI_DOT
+from furuta_model.state import PHI_DOT
 from furuta_recordings.recording import UNITS, Recording
 
 # Part of a window in which the arm must turn in one direction.
@@ -55,18 +53,3 @@ def _shown(model: Model, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     forward, backward = windows.mean(1.0 * (v > SLOW)), windows.mean(1.0 * (v < -SLOW))
     turns = np.maximum(forward, backward) > ONE_WAY * whole
     return (windows.mean(v) / whole)[turns], (friction / whole)[turns]
-
-
-def rig_followed(predictions: Sequence[Prediction]) -> Followed:
-    """Angle of the arm in all recordings, or its speed where no angle was measured."""
-    angles = [run.recording.measured[:, PHI] for run in predictions]
-    channel = PHI if all(np.any(np.isfinite(angle)) for angle in angles) else PHI_DOT
-    time, rows, end = [], [], 0.0
-    for run in predictions:
-        own = end + run.recording.time - run.recording.time[0]
-        end = float(own[-1])
-        time += [own, [np.nan]]
-        pair = np.column_stack((run.recording.measured[:, channel], run.predicted[:, channel]))
-        rows += [pair, np.full((1, 2), np.nan)]
-    measured, fitted = np.concatenate(rows).T
-    return Followed(np.concatenate(time), measured, fitted, UNITS[channel])

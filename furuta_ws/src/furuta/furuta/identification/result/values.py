@@ -1,6 +1,6 @@
-"""Reports a model: values with standard errors, reasons for those withheld, fits, verdict."""
+"""What a model says: values with standard errors, reasons for those withheld, fits, verdict."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,19 @@ from furuta_recordings.recording import CHANNELS
 
 # Duration [s] at the start over which the fit is given too.
 FIRST_SECONDS = 3.0
+# Units of values whose name has none.
+UNITS = {
+    **dict.fromkeys(("alpha", "beta", "gamma"), "V s²/rad"),
+    "delta": "V/rad",
+    **dict.fromkeys(("a23", "a43"), "1/s²"),
+    **dict.fromkeys(("b21", "b41"), "rad/(V s²)"),
+    **dict.fromkeys(("viscous", "pendulum_viscous", "sigma1"), "V s/rad"),
+    **dict.fromkeys(("coulomb", "pendulum_coulomb", "alpha0", "alpha1", "ceiling"), "V"),
+    "stribeck_velocity": "rad/s",
+    "sigma0": "V/rad",
+    **dict.fromkeys(("delay", "lag"), "s"),
+    **dict.fromkeys(("zero", "tilt_x", "tilt_y"), "rad"),
+}
 # Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
 SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
 # Part [%] of the residuals' autocorrelations outside the band of white noise from which they are an
@@ -112,8 +125,8 @@ def _derived_reason(model: Model, name: str, slopes: np.ndarray) -> str:
     return f"its error is {error:.2g}, mostly from {name_of(model.keys[int(np.argmax(parts))])}"
 
 
-def summary(model: Model) -> dict[str, Any]:
-    """Everything as one object; None where the data do not determine a value."""
+def values_by_name(model: Model) -> dict[str, Any]:
+    """Everything by name, with its unit; None where the data do not determine a value."""
     reasons, errors = withheld(model), standard_errors(model)
     values: dict[str, float | None] = {**reported_values(model)}
     values |= dict.fromkeys(reasons.keys() & values.keys())
@@ -133,6 +146,7 @@ def summary(model: Model) -> dict[str, Any]:
         "waves": _waves(model, reasons),
         "standard_errors": {n: None if n in reasons else e or None for n, e in errors.items()},
         "undetermined": reasons,
+        "units": UNITS,
         "findings": model.findings,
         "window_s": None if np.isinf(model.window) else model.window,
     }
@@ -152,24 +166,9 @@ def _waves(model: Model, reasons: dict[str, str]) -> list[dict[str, float | None
     return waves
 
 
-def full_report(
-    model: Model, fitted: list[Prediction], held_out: list[Prediction]
-) -> dict[str, Any]:
-    """The :func:`summary` of a model with its fits and the verdict."""
-    return {
-        **summary(model),
-        "fit": {p.recording.name: _fits(p) for p in fitted},
-        "held_out": {p.recording.name: _fits(p) for p in held_out},
-        "verdict": judged(fitted, _without_inertias(model)),
-    }
-
-
-def judged(predictions: list[Prediction], doubts: Iterable[tuple[str, str]] = ()) -> dict[str, Any]:
-    """The verdict, and the coloured part of the residuals [%]."""
-    return {
-        **Verdict.of([*_poor_fits(predictions), *doubts])._asdict(),
-        "coloured_percent": {p.recording.name: _colours(p) for p in predictions},
-    }
+def verdict_on(model: Model, predictions: Sequence[Prediction]) -> Verdict:
+    """Whether a model that predicts its own recordings so is usable."""
+    return Verdict.of([*_poor_fits(predictions), *_without_inertias(model)])
 
 
 def _without_inertias(model: Model) -> Iterator[tuple[str, str]]:
@@ -181,88 +180,38 @@ def _without_inertias(model: Model) -> Iterator[tuple[str, str]]:
         yield NO, "no coefficient of the body is determined by the data"
 
 
-def _fits(prediction: Prediction) -> dict[str, float]:
-    fits = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
+def fits(prediction: Prediction) -> dict[str, float]:
+    """Fit [%] of each channel, of the pendulum also at the start."""
+    whole = {name.replace(" ", "_"): value for name, value in prediction.fits().items()}
     first = prediction.fits(FIRST_SECONDS)["pendulum angle"]
-    return {**fits, "pendulum_angle_first_3_s": first}
+    return {**whole, "pendulum_angle_first_3_s": first}
 
 
-def verdict(predictions: list[Prediction]) -> Verdict:
+def verdict(predictions: Sequence[Prediction]) -> Verdict:
     """Whether a model that predicts so is usable."""
     return Verdict.of(_poor_fits(predictions))
 
 
-def _poor_fits(predictions: list[Prediction]) -> Iterator[tuple[str, str]]:
+def _poor_fits(predictions: Sequence[Prediction]) -> Iterator[tuple[str, str]]:
     """Joints that are not followed.
 
     White residuals have 5 % of their autocorrelations outside the band. More show what the model
     lacks: the standard errors count for that, a noise model would not.
     """
     for prediction in predictions:
-        fits, colours = _fits(prediction), _colours(prediction)
+        percent, colours = fits(prediction), coloured(prediction)
         for joint, channels in JOINTS.items():
-            known = [name for name in channels if not np.isnan(fits[name])]
-            coloured = bool(known) and colours[known[0]] > CLEARLY_COLOURED
-            if known and fits[known[0]] < (DOUBTFUL_COLOURED_FIT if coloured else DOUBTFUL_FIT):
-                why = f"{prediction.recording.name}: fit of the {joint} {fits[known[0]]:.0f} %"
-                grade = NO if fits[known[0]] < SMALLEST_FIT else DOUBTFUL
-                yield grade, why + ", coloured residuals" * coloured
+            known = [name for name in channels if not np.isnan(percent[name])]
+            lasting = bool(known) and colours[known[0]] > CLEARLY_COLOURED
+            if known and percent[known[0]] < (DOUBTFUL_COLOURED_FIT if lasting else DOUBTFUL_FIT):
+                why = f"{prediction.recording.name}: fit of the {joint} {percent[known[0]]:.0f} %"
+                grade = NO if percent[known[0]] < SMALLEST_FIT else DOUBTFUL
+                yield grade, why + ", coloured residuals" * lasting
 
 
-def _colours(prediction: Prediction) -> dict[str, float]:
+def coloured(prediction: Prediction) -> dict[str, float]:
     """Part [%] of the residuals' first autocorrelations outside the band of white noise."""
     residuals = prediction.recording.measured - prediction.predicted
     return {
         name.replace(" ", "_"): coloured_part(residuals[:, k]) for k, name in enumerate(CHANNELS)
     }
-
-
-def verdict_of(result: dict[str, Any]) -> Verdict:
-    """That of a report."""
-    return Verdict(result["verdict"]["usable"], result["verdict"]["reasons"])
-
-
-def report_lines(result: dict[str, Any]) -> Iterator[str]:
-    """The lines that ``furuta identify`` prints of a :func:`full_report`."""
-    yield from _value_lines(result)
-    for name, reason in result["undetermined"].items():
-        yield f"{name:26} not determined by the data: {reason}"
-    for kind in ("fit", "held_out"):
-        for recording, fits in result[kind].items():
-            yield f"{kind.replace('_', '-')} {recording}: {_percentages(fits, 1)}"
-    for row in result["waves"]:
-        if row["cos"] is not None and row["sin"] is not None:
-            size = np.hypot(row["cos"], row["sin"])
-            yield f"torque wave, {row['order']:2d} per turn {size:11.3g} V"
-    if "friction_laws" in result:
-        yield from _law_lines(result)
-    for name, parts in result["verdict"]["coloured_percent"].items():
-        yield f"coloured residuals (white: 5 %) {name}: {_percentages(parts, 0)}"
-    yield f"usable: {verdict_of(result).sentence()}"
-    for finding in result["findings"]:
-        yield f"found: {finding}"
-    for name in ("figure", "friction_figure", "rig_file"):
-        if name in result:
-            yield f"{name.replace('_', ' ')}: {result[name]}"
-
-
-def _value_lines(result: dict[str, Any]) -> Iterator[str]:
-    errors = result["standard_errors"]
-    for group in (result, result["lugre"], result["setup"]):
-        for name, value in group.items():
-            if isinstance(value, float) and name in errors:
-                error = f"  ± {errors[name]:.2g}" if errors[name] else ""
-                yield f"{name:26} {value:12.6g}{error}"
-
-
-def _law_lines(result: dict[str, Any]) -> Iterator[str]:
-    for law in result["friction_laws"]:
-        errors = ", ".join(f"{name} {error:.3f}" for name, error in law["errors"].items())
-        title = f"{law['law']} ({law['parameters']} parameters)"
-        yield f"law {title:31} held-out error over Coulomb's: {errors}"
-    yield f"law supported by the data: {result['simplest_adequate_law']}"
-
-
-def _percentages(values: dict[str, float], digits: int) -> str:
-    known = {name: value for name, value in values.items() if not np.isnan(value)}
-    return ", ".join(f"{n.replace('_', ' ')} {value:.{digits}f} %" for n, value in known.items())
