@@ -34,7 +34,7 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
     ("values", "reason"),
     [
         ({"compensation": "magic"}, "none, coulomb, stiction, lugre, adaptive"),
-        ({"sample_time": 0.01}, "read-only"),
+        ({"sample_time": 0.01}, "fixed at start: furuta run --set sample_time=0.01"),
         ({"alpha0": 0.5, "sigma0": -1.0}, "sigma0"),
     ],
 )

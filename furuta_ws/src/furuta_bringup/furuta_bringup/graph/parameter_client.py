@@ -12,8 +12,9 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 
+from furuta.settings.nodes import NODES
 from furuta_bringup.graph.services import ServiceCaller, ServiceError
-from furuta_model.parameters import suggestion
+from furuta_model.parameters import declared, suggestion
 
 
 class ParameterClient:
@@ -48,8 +49,10 @@ class ParameterClient:
             return unknown
         _, is_fixed, fixed = reason.partition("read-only parameter: ")
         if is_fixed:
-            name = fixed.rstrip(".")
-            return f"{node}.{name} is fixed at start: furuta run --set {name}={values[name]}"
+            name, described = fixed.rstrip("."), NODES.get(node.rpartition("/")[2])
+            ours = [each.name for each in declared(described.parameters)] if described else []
+            remedy = f": furuta run --set {name}={values[name]}" if name in ours else ""
+            return f"{node}.{name} is fixed at start{remedy}"
         return f"{node} rejects {', '.join(values)}: {reason}"
 
     def _unknown(self, node: str, names: list[str]) -> str:
