@@ -33,7 +33,7 @@ sys.meta_path.insert(0, Refuse())
 VERBS = """
 from click.testing import CliRunner
 from furuta_bringup.main import furuta as command, VERBS
-print("from", furuta.__file__, "version", furuta.__version__, *furuta.rig_names())
+print("from", furuta.__file__, "version", furuta.__version__, furuta.load_rig("qube_servo_2"))
 ready = []
 for verb in VERBS:
     done = CliRunner().invoke(command, [verb, "--help"])
@@ -95,7 +95,7 @@ def test_wheel_works_without_ros(wheel: Path, tmp_path: Path) -> None:
     cycle, about, verbs, view, version = done.stdout.strip().splitlines()
     assert cycle == "0.511 rad, 2.37 s"
     assert str(tmp_path) in about
-    assert "paper paper_full_turn qube_servo_2" in about
+    assert "FurutaPendulum(" in about
     assert {"simulate", "limit-cycle", "identify", "sweep", "bag"} <= set(verbs.split())
     assert view.startswith("furuta view needs ") and ", which is not installed: " in view
     assert view.endswith("pip install '.[ros]' in a clone of the repository")

@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     from furuta.cycles import friction_joint as friction_joint
     from furuta.cycles import limit_cycle as limit_cycle
     from furuta.cycles import predict_cycles as predict_cycles
-    from furuta.describing_functions.describing_function import (
-        describing_function as describing_function,
-    )
     from furuta.exports import export_c as export_c
     from furuta.exports import export_joint as export_joint
     from furuta.identified_models import identified_rig as identified_rig
@@ -43,7 +40,6 @@ if TYPE_CHECKING:
     from furuta.identified_models import identify_servo as identify_servo
     from furuta.loops import load_rig as load_rig
     from furuta.loops import make_loop as make_loop
-    from furuta.loops import rig_names as rig_names
     from furuta.models import friction_law as friction_law
     from furuta.models import friction_nonlinearity as friction_nonlinearity
     from furuta.models import linear_model as linear_model

@@ -35,22 +35,12 @@ GAINS = ("l1", "l2", "l3", "l4")
 Part = Callable[..., Any] | Law
 
 
-def rig_names() -> list[str]:
-    """Names of the rigs that come with the library.
-
-    Returns:
-        The names, as :func:`load_rig` takes them.
-    """
-    from furuta_hw.rigs.known_rigs import SUFFIX, rig_directory
-
-    return sorted(file.stem for file in rig_directory().glob(f"*{SUFFIX}"))
-
-
 def load_rig(name: str | Path) -> Rig:
     """A rig by name, or from a rig file.
 
     Args:
-        name: One of :func:`rig_names`, or the path of a file that ends in .yaml.
+        name: A rig of the library, such as paper or qube_servo_2 (the error for another name lists
+            them all), or the path of a file that ends in .yaml.
 
     Returns:
         Model, friction, calibration, line and safety limits; each field has its unit.

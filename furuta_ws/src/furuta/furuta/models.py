@@ -152,7 +152,7 @@ def friction_law(name: str, parameters: Friction | None = None) -> laws.Friction
             the paper.
 
     Returns:
-        The law, as :func:`furuta.describing_function` and :class:`furuta.IdealLoop` take it.
+        The law, as :func:`furuta.friction_nonlinearity` takes it.
 
     Raises:
         ParameterError: There is no such law, or a parameter is outside its range.

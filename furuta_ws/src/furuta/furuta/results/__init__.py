@@ -12,10 +12,23 @@ if TYPE_CHECKING:
     from furuta.results.cycles import LimitCycle as LimitCycle
     from furuta.results.cycles import Prediction as Prediction
     from furuta.results.files import Files as Files
+    from furuta.results.identified import AxisFit as AxisFit
+    from furuta.results.identified import AxisFits as AxisFits
+    from furuta.results.identified import JointFit as JointFit
     from furuta.results.linear import LinearModel as LinearModel
     from furuta.results.motion import Outcome as Outcome
     from furuta.results.motion import Run as Run
     from furuta.results.result import Result as Result
+    from furuta.results.rig_friction import MeasuredFriction as MeasuredFriction
+    from furuta.results.rig_models import FreeSwing as FreeSwing
+    from furuta.results.rig_models import RigModel as RigModel
+    from furuta.results.servo_axes import AxisRun as AxisRun
+    from furuta.results.servo_axes import AxisStudy as AxisStudy
+    from furuta.results.studies import Comparison as Comparison
+    from furuta.results.studies import Demo as Demo
+    from furuta.results.studies import Runs as Runs
+    from furuta.results.studies import SwingUp as SwingUp
+    from furuta.results.studies import Tuning as Tuning
     from furuta.results.table import Series as Series
     from furuta.results.table import Table as Table
 
