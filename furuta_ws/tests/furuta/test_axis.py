@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from joint_reference import ReferenceJoint
@@ -13,8 +14,11 @@ import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Controller, servo_motions
 from furuta.axis.compensations import compare_on_axis, residual
 from furuta.axis.joint_file import NEEDED, joint_parameters, write_joint_file
-from furuta.axis.quiet_gains import gain_rows, quiet_gains
+from furuta.axis.quiet_gains import gain_rows, quiet_gains, stable_gains
 from furuta.results.cycles import JointCycle
+from furuta.results.rig_friction import MeasuredFriction
+from furuta_friction.compensation import COMPENSATIONS
+from furuta_hw.commissioning.friction import FrictionLevels
 from furuta_model.friction.text import friction_from_text
 from furuta_ros.parameter_files import read_sections
 
@@ -354,3 +358,67 @@ def test_friction_under_load_is_simulated_and_identified() -> None:
     assert fit.values["load_friction"] == pytest.approx(0.1, abs=0.02)
     with pytest.raises(furuta.ParameterError, match="load_friction"):
         furuta.simulate_axis(axis._replace(load_friction=1.5), furuta.Pid(1.0))
+
+
+def test_a_study_speaks_and_draws_what_it_found() -> None:
+    """With the unit of each number, on axes that the user has, and with nothing in vain."""
+    study = furuta.study_axis(AXIS, PID)
+    values, text = study.to_dict(), study.report()
+    assert text.startswith("The axis hunts by 0.144 rad (8.27°) every 4.43 s")
+    assert f"The compensation {study.recommended} is best here" in " ".join(text.split())
+    assert "[N m]" in text
+    assert max(map(len, text.splitlines())) <= 80
+    assert values["units"] == {"position": "rad", "torque": "N m"}
+    assert [row["compensation"] for row in values["compensations"]] == list(COMPENSATIONS)
+    figure, axes = plt.subplots(2, 2)
+    assert list(np.ravel(study.plot(axes))) == list(axes.ravel())
+    plt.close(figure)
+    with pytest.raises(furuta.ParameterError, match="identified"):
+        study.write("joint.yaml")
+    with pytest.raises(furuta.ParameterError, match="belong to an identified axis"):
+        furuta.study_axis(AXIS, PID, law="stiction")
+
+
+def test_unstable_gains_say_which_gain_would_be_stable() -> None:
+    """Each alone: by Routh, (kd + viscous) kp must be above ki times the inertia."""
+    axis, pid = furuta.Axis(10.0, FRICTION), furuta.Pid(1.0, 2.0, 0.08)
+    study = furuta.study_axis(axis, pid)
+    assert study.cycle.kind == "unbounded"
+    stable = stable_gains(axis, pid)
+    assert stable["kp"] == pytest.approx(20.0 / 0.085, rel=0.1)
+    assert stable["kd"] == pytest.approx(20.0 - 0.005, rel=0.1)
+    assert stable["ki"] == pytest.approx(0.0085, rel=0.1)
+    for name, value in stable.items():
+        changed = pid._replace(**{name: value})
+        assert (changed.kd + FRICTION.viscous) * changed.kp > 10.0 * changed.ki
+        assert f"{name} {value:g}" in study.sentence()
+
+
+def test_several_axes_are_identified_each_on_its_own() -> None:
+    """What is wrong with one of them is said, and the others are drawn."""
+    time = np.arange(0.0, 6.0, 1e-3)
+    moves = 1.5 * np.sin(1.3 * time) + 0.6 * np.sin(3.7 * time)
+    moved = furuta.simulate_axis(AXIS, PID, reference=moves).recording
+    still = moved._replace(measured=0.0 * moved.measured)
+    found = furuta.identify_axes({"elbow": moved, "base": still})
+    assert list(found.fits) == ["elbow"]
+    assert "moves by 0" in found.refused["base"]
+    assert found.to_dict()["joints"]["base"]["usable"] == "no"
+    assert found.fits["elbow"].axis().inertia == pytest.approx(AXIS.inertia, rel=0.02)
+    assert len(found.fits["elbow"].draws(3)) == 3
+    figure, axis = plt.subplots()
+    assert np.ravel(found.plot(axis)).tolist() == [axis]
+    plt.close(figure)
+    with pytest.raises(furuta.ParameterError, match="base"):
+        found.require()
+
+
+def test_measured_friction_of_a_rig_is_drawn() -> None:
+    """Its levels by direction, of which the parameters of the law follow."""
+    found = MeasuredFriction(FrictionLevels(0.21, 0.19, 0.25, 0.24, 0.012))
+    assert found.to_dict()["alpha0"] == pytest.approx(0.2)
+    assert found.to_dict()["units"]["viscous"] == "V s/rad"
+    axis = found.plot()
+    heights = [line.get_ydata()[0] for line in axis.lines]
+    assert {0.21, 0.25, -0.19, -0.24} <= set(heights)
+    plt.close(axis.figure)

@@ -136,6 +136,8 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
     empty.mkdir()
     words = tmp_path / "words.csv"
     words.write_text("just,words\nand,more\n")
+    picture = tmp_path / "log.png"
+    picture.write_bytes(b"\x89PNG\r\n\x1a\n\0")
     states = tmp_path / "states"
     types = get_typestore(Stores.ROS2_HUMBLE)
     with Writer(states, version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
@@ -143,6 +145,7 @@ def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) ->
     for arguments, reason in (
         (["identify", tmp_path / "none.csv"], "no recording"),
         (["identify", words], "no row of numbers"),
+        (["axis", "--identify", picture], "it is a picture"),
         (["identify", bag, "--command", "nothing"], "no command nothing"),
         (["bag", "info", empty], "not a readable bag"),
         (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),

@@ -76,8 +76,8 @@ def study_axis(
         law: Friction law of an identified axis, as :meth:`furuta.results.AxisFit.axis` takes it.
         force: Whether to use an identified axis that is not usable.
         prove: Whether to prove the limit cycle in interval arithmetic, for the law stiction.
-        progress: Gets, one after the other, the draws, the compensations and the gains, each with
-            their number, and yields them.
+        progress: Gets, one after the other, starts, draws, compensations and gains, each with their
+            number, and yields them.
 
     Raises:
         ParameterError: The identified axis is not usable, a number is not allowed, or the cycle
@@ -99,7 +99,7 @@ def study_axis(
         known[0] if sample_time is None else sample_time,
         known[1] if delay is None else delay,
     )
-    found = axes.servo_motions(axis, controller, speed)
+    found = axes.servo_motions(axis, controller, speed, progress)
     motions = {start: JointCycle(motion) for start, motion in found.items()}
     study = Study(axis, controller, speed, loop, motions, fit)
     cycle, options = next(iter(found.values())), dict[str, Any](speed=speed, progress=progress)

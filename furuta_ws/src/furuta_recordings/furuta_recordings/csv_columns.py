@@ -45,6 +45,10 @@ _DURATION = re.compile(r"(?P<number>[+-]?[\d.]+(?:e[+-]?\d+)?)\s*(?P<unit>sec|s|
 _EPOCH = date(1970, 1, 1).toordinal()
 
 
+# How pictures begin: PNG, JPEG, GIF, and figures as PDF.
+PICTURES = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"%PDF")
+
+
 class Table(NamedTuple):
     """Columns (n,) by name, NaN where a cell is empty; those in ``problems`` cannot be used.
 
@@ -79,6 +83,8 @@ def _encodings(path: Path) -> tuple[str, ...]:
         start = file.read(4096)
     if start.startswith(b"PK\x03\x04"):
         raise ParameterError(f"cannot read {path}: a zip archive or workbook, not a text file")
+    if start.startswith(PICTURES):
+        raise ParameterError(f"cannot read {path}: it is a picture or a PDF file, not a recording")
     if start.startswith((b"\xff\xfe", b"\xfe\xff")):
         return ("utf-16",)
     return () if b"\0" in start else ("utf-8-sig", "cp1252")

@@ -24,6 +24,7 @@ from furuta_model.friction.laws import check_friction
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
+from furuta_model.progress import Progress, unseen
 
 # Error at the start, as a multiple of that which friction can hold without integral action.
 RELEASED_AT = 20.0
@@ -167,7 +168,9 @@ def servo_cycle(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint
     return final_motion(loop, next(_starts(axis, controller, loop, speed))[1])
 
 
-def servo_motions(axis: Axis, controller: Controller, speed: float = 0.0) -> dict[str, JointCycle]:
+def servo_motions(
+    axis: Axis, controller: Controller, speed: float = 0.0, progress: Progress = unseen
+) -> dict[str, JointCycle]:
     """The different final motions of an axis, by start; the first is that of :func:`servo_cycle`.
 
     The other start is a small disturbance, of rest on the reference or of steady motion with it.
@@ -175,7 +178,7 @@ def servo_motions(axis: Axis, controller: Controller, speed: float = 0.0) -> dic
     """
     loop = servo_joint(axis, controller, speed)
     motions: dict[str, JointCycle] = {}
-    for name, y in _starts(axis, controller, loop, speed):
+    for name, y in progress(_starts(axis, controller, loop, speed), 2):
         motion = final_motion(loop, y)
         if not any(_alike(motion, other) for other in motions.values()):
             motions[name] = motion
