@@ -125,6 +125,7 @@ class Comparison(Table):
         best_bandwidths: Rows of the best bandwidth on each rig, where it was asked for.
         runs: A row per run, where they were kept.
         every_column: Whether the report has all columns instead of some.
+        by_rig: Whether the report lists each rig, as of the named ones.
     """
 
     every_column = False
