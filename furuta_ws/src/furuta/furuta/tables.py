@@ -61,23 +61,21 @@ def sweep(
     from furuta.lanes.batch import batch
     from furuta.results.studies import Runs
     from furuta.settings.settings import loop_settings
-    from furuta.studies.study_tables import Passed, check_table
+    from furuta.studies.study_tables import Passed
     from furuta.studies.sweep import Sweep, outcomes_on_cluster, run
 
     check_seconds(seconds)
     axes = tuple(_swept(values))
     study = Sweep(loop_settings(checked_loop(loop)), axes, seconds)
-    size, file = study.size(), None if out is None else Path(out)
-    if file is not None:
-        check_table(file)
+    size = study.size()
     simulate = partial(outcomes_on_cluster, scheduler) if scheduler else batch
     passed = Passed(axis.name for axis in axes)
     pairs = zip(study.points(), run(study, simulate), strict=True)
     rows = passed.passing(progress((point | result for point, result in pairs), size))
-    kept = _taken(rows, file, keep_runs)
+    kept = _taken(rows, out, keep_runs)
     if passed.impossible == passed.runs:
         raise ParameterError(f"no run is possible: {passed.reason}")
-    return Runs(passed, kept, file)
+    return Runs(passed, kept, None if out is None else Path(out))
 
 
 def _swept(values: Any) -> Iterator[SweptParameter]:
@@ -97,10 +95,10 @@ def _swept(values: Any) -> Iterator[SweptParameter]:
 
 
 def _taken(
-    rows: Iterable[Mapping[str, Any]], file: Path | None, keep: bool
+    rows: Iterable[Mapping[str, Any]], out: str | Path | None, keep: bool
 ) -> Iterable[Mapping[str, Any]]:
-    """The rows to keep, if any, after all have been written to the file as they came."""
-    from furuta.studies.study_tables import write_runs
+    """The rows to keep, if any, after all have been written to a new file as they came."""
+    from furuta.studies.study_tables import check_table, write_runs
 
     kept: deque[Mapping[str, Any]] = deque(maxlen=None if keep else 0)
 
@@ -109,10 +107,11 @@ def _taken(
             kept.append(row)
             yield row
 
-    if file is None:
+    if out is None:
         deque(passing(), maxlen=0)
     else:
-        write_runs(passing(), file)
+        check_table(Path(out))
+        write_runs(passing(), Path(out))
     return kept
 
 
@@ -209,13 +208,11 @@ def compare(
     from furuta.studies.comparison.candidates import bandwidth_candidates
     from furuta.studies.comparison.rigs import named_rigs
     from furuta.studies.comparison.scores import best_bandwidths
-    from furuta.studies.study_tables import check_table, columns
+    from furuta.studies.study_tables import columns
 
     check_seconds(seconds)
     loop = make_loop(rig=rig) if loop is None else checked_loop(loop)
-    settings, file = loop_settings(loop), None if out is None else Path(out)
-    if file is not None:
-        check_table(file)
+    settings = loop_settings(loop)
     simulated: list[SimulatedRig] | RandomRigs
     disturbances = list(disturbances)
     if isinstance(rigs, int):
@@ -230,7 +227,7 @@ def compare(
         simulated = _rigs_of(rigs)
     chosen = _candidates(candidates, settings)
     study = comparison.Comparison(settings, simulated, chosen, seconds, pushes)
-    kept = _taken(progress(study.rows(), study.size), file, keep_runs)
+    kept = _taken(progress(study.rows(), study.size), out, keep_runs)
     count = loop.plant.sensors.encoder_count
     found = Comparison(study.table(), count, chosen, study.impossible)
     found.by_rig, found.runs = rigs == NAMED, Table(columns(kept))

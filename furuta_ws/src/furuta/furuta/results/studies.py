@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from furuta.results.motion import swing_sentence
 from furuta.results.result import Found, Result, plain
 from furuta.results.table import Table
 from furuta.results.text import angle, table_text, values_text
@@ -97,7 +96,8 @@ class Runs(Table):
         """A sentence and the first rows."""
         names = {name: name for name in self.found.parameters}
         fell = {"fell": "fell"} if self.found.fell else {}
-        return self.text(self.found.first, self.found.runs, names | MOTION | fell)
+        text = self.text(self.found.first, self.found.runs, names | MOTION | fell)
+        return f"{text}\n\n{values_text({'file': str(self.file)})}" if self.file else text
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the arm's swing over the parameters; see :meth:`Result.plot`."""
@@ -125,6 +125,7 @@ class Comparison(Table):
         best_bandwidths: Rows of the best bandwidth on each rig, where it was asked for.
         runs: A row per run, where they were kept.
         every_column: Whether the report has all columns instead of some.
+        by_rig: Whether the report lists each rig, as of the named ones.
     """
 
     every_column = False
@@ -299,7 +300,7 @@ class Tuning(Found):
             was = f" instead of {angle(before.swing)}" if np.isfinite(before.swing) else ""
             return f"The arm swings by {angle(after.swing)}{was}. {count}"
         return (
-            f"no gain: nothing is better than the setting as it was, with which the arm swings by "
+            f"No gain: nothing is better than the setting as it was, with which the arm swings by "
             f"{angle(before.swing)}. {count}"
         )
 
@@ -368,11 +369,12 @@ class Demo(Result):
     def sentence(self) -> str:
         """How far the arm swings with the first and the last compensation."""
         first, *_, last = self.rows
-        swing = swing_sentence(first[SIZE], first["period_s"], 0.0)
+        period = first["period_s"]
+        every = f" every {period:.3g} s" if np.isfinite(period) else ""
         return (
-            f"With compensation {first['compensation']}: {swing} With {last['compensation']} it "
-            f"swings by {angle(last[SIZE])}. One count of its encoder is "
-            f"{angle(self.encoder_count)}."
+            f"The arm swings by {angle(first[SIZE])}{every} with compensation "
+            f"{first['compensation']}, and by {angle(last[SIZE])} with {last['compensation']}. One "
+            f"count of its encoder is {angle(self.encoder_count)}."
         )
 
     def table(self, values: Mapping[str, Any]) -> str:

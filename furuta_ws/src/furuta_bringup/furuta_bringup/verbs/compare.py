@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 
 from furuta.studies.comparison.candidates import STANDARD
 from furuta.studies.comparison.rigs import DISTURBANCES, MOST_RIGS
@@ -23,8 +22,8 @@ from furuta_bringup.options import (
 from furuta_bringup.printing import bar, show
 from furuta_model.parameters import ParameterError
 
-# Options without effect on the named rigs.
-RANDOM_ONLY = ("--rigs", "--disturb", "--seed")
+# Number of random rigs, unless the user says so.
+RIGS = 100
 
 
 @click.command()
@@ -33,8 +32,7 @@ RANDOM_ONLY = ("--rigs", "--disturb", "--seed")
     "--rigs",
     "number",
     type=click.IntRange(1, MOST_RIGS),
-    default=100,
-    help="Number of random rigs.",
+    help=f"Number of random rigs; default: {RIGS}.",
 )
 @option(
     "--disturb",
@@ -81,11 +79,9 @@ RANDOM_ONLY = ("--rigs", "--disturb", "--seed")
 @option("--out", type=TABLE, help="Write a table with one row per run.")
 @figure_option("Draw the residuals of each candidate.")
 @json_option
-@click.pass_context
 def command(
-    ctx: click.Context,
     truths: bool,
-    number: int,
+    number: int | None,
     disturb: tuple[str, ...],
     seed: int,
     rig: str,
@@ -110,12 +106,12 @@ def command(
     """
     from furuta import compare, make_loop
 
-    if truths:
-        _reject_random_options(ctx)
+    if truths and number is not None:
+        raise ParameterError("--rigs has no effect on the named rigs of --truths")
     found = compare(
         make_loop(assignments, rig=rig or None, files=files),
         texts or None,
-        NAMED if truths else number,
+        NAMED if truths else number or RIGS,
         rig=None if truths else rig or None,
         seed=seed,
         disturbances=disturb,
@@ -127,12 +123,3 @@ def command(
     )
     found.every_column = every_column
     show(found, as_json, figure)
-
-
-def _reject_random_options(ctx: click.Context) -> None:
-    """Reject options that would have no effect."""
-    for parameter in ctx.command.params:
-        given = ctx.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
-        name = parameter.opts[0]
-        if given and name in RANDOM_ONLY:
-            raise ParameterError(f"{name} has no effect on the named rigs of --truths")
