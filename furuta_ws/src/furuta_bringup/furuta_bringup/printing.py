@@ -87,10 +87,7 @@ def show(result: Any, as_json: bool, figure: Path | None = None, **more: Any) ->
 
 
 def draw(result: Result, path: Path) -> None:
-    """Write the figure of a result; no window opens."""
-    import matplotlib
-
-    matplotlib.use("Agg")
+    """Write the figure of a result."""
     from furuta.figures.figure import save_figure
 
     save_figure(result.plot, path)

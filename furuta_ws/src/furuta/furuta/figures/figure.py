@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
@@ -88,8 +89,9 @@ def numbered_axes(axes: Any, layout: Sequence[Sequence[int]], **options: Any) ->
 def save_figure(plot: Callable[[], Any], path: Path) -> None:
     """Draw with ``plot``, which returns axes, and write the figure; the folder is created.
 
-    Nothing is written after an exception, and no figure stays open.
+    Nothing is written after an exception. No figure stays open, and no window opens.
     """
+    matplotlib.use("Agg")
     open_before = set(plt.get_fignums())
     try:
         figure = np.ravel(plot())[0].figure

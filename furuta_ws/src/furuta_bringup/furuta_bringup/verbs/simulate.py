@@ -51,7 +51,7 @@ def command(
     assignments: tuple[str, ...],
     as_json: bool,
 ) -> None:
-    """Simulate the closed loop without ROS and measure the oscillation in the second half."""
+    """Simulate the closed loop without ROS and measure the motion in its second half."""
     from furuta import make_loop, simulate
     from furuta.settings.settings import law_and_feedback, require_agreement
     from furuta_model.state import LARGEST_VALUE
