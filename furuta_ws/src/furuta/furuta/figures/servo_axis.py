@@ -24,8 +24,9 @@ from furuta_model.state import PHI
 
 # Periods of a cycle that are drawn.
 PERIODS = 2
-# Rows of the figure: position and error, torque and phase plane; friction, position and residual.
-EXACT, IDENTIFIED = [[0, 1], [2, 3]], [[4, 5], [4, 6]]
+# Places of the axes in rows: the error, position, forces and phase plane of a cycle; the error
+# alone; friction, position and residual of a fit, which come after these.
+CYCLE, ALONE, FIT = [[1, 0], [2, 3]], [[0, 0]], [[0, 1], [0, 2]]
 
 
 def draw_axis(
@@ -42,15 +43,21 @@ def draw_axis(
     """
     position_unit, torque_unit = units
     drive = "force" if torque_unit == "N" else "torque"
-    rows = EXACT + (IDENTIFIED if fit is not None else [])
+    rows = ALONE if motion is None else CYCLE
+    first = 1 + max(map(max, rows))
+    if fit is not None:
+        rows = rows + [[first + place for place in row] for row in FIT]
     axes = numbered_axes(axes, rows, figsize=(10, 3.25 * len(rows)))
-    position, after, force, plane = axes[:4]
+    after = axes[0]
     if motion is not None:
+        position, force, plane = axes[1:4]
         state = motion.state.copy()
         state[:, PHI] -= 0.5 * (np.min(state[:, PHI]) + np.max(state[:, PHI]))
-        draw_cycle(
-            position, force, plane, motion._replace(state=state), PERIODS, (drive, "friction")
-        )
+        names = (drive, "friction")
+        draw_cycle(position, force, plane, motion._replace(state=state), PERIODS, names)
+        style_axis(position, y=f"exact: position [{position_unit}]")
+        style_axis(force, "time [s]", f"{drive} [{torque_unit}]")
+        style_axis(plane, f"position [{position_unit}]", f"speed [{position_unit}/s]")
     for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
         settled = slice(len(run.time) // 2, None)
         time, error = run.time[settled] - run.time[settled.start], run.error[settled]
@@ -58,14 +65,11 @@ def draw_axis(
     if runs:
         after.margins(y=0.3)
         after.legend()
-    style_axis(position, y=f"exact: position [{position_unit}]")
-    style_axis(force, "time [s]", f"{drive} [{torque_unit}]")
-    style_axis(plane, f"position [{position_unit}]", f"speed [{position_unit}/s]")
     style_axis(after, "time [s]", f"simulated: error [{position_unit}]")
     if fit is not None:
         curve, followed = fit
-        draw_law(axes[4], curve)
-        draw_followed(axes[5], axes[6], followed)
+        draw_law(axes[first], curve)
+        draw_followed(axes[first + 1], axes[first + 2], followed)
     axes[0].figure.suptitle(title)
     return np.array(axes)
 

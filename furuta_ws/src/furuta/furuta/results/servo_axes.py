@@ -80,10 +80,13 @@ class AxisStudy(Found):
     @property
     def still_hunts(self) -> bool:
         """Whether a hunting axis moves by more than two counts with that compensation."""
-        if self._best is None or self.cycle.kind not in HUNTING:
-            return False
-        counts = self.sampling.counts
-        return not counts or self._best.peak_to_peak_rad > COUNTS * 2.0 * pi / counts
+        return self.cycle.kind in HUNTING and self._moves
+
+    @property
+    def _moves(self) -> bool:
+        counts, best = self.sampling.counts, self._best
+        least = COUNTS * 2.0 * pi / counts if counts else 0.0
+        return best is not None and best.peak_to_peak_rad > least
 
     @property
     def _best(self) -> Residual | None:
@@ -171,7 +174,10 @@ class AxisStudy(Found):
             )
         assert self.comparison is not None
         without = next(row for row in self.comparison.residuals if row.compensation == "none")
-        hunts = "; the axis still hunts" if self.still_hunts else ""
+        hunts = ""
+        if self._moves:
+            moved = self.size(best.peak_to_peak_rad)
+            hunts = f"; it {'still hunts' if self.still_hunts else 'then moves'} by {moved}"
         return (
             f"The compensation {best.compensation} is best here: the error is at most "
             f"{self.size(best.error_rad)} instead of {self.size(without.error_rad)}{hunts}."
@@ -237,6 +243,8 @@ class AxisStudy(Found):
         from furuta.identification.axis.friction_curve import axis_followed, axis_friction
 
         motion, fit, units = None, self.fit, self.units
+        if self.cycle.kind == "unbounded":
+            raise ParameterError(f"an unbounded motion has no figure. {self.sentence()}")
         if self.cycle.kind == "limit_cycle" and np.isfinite(self.cycle.period_s):
             loop = servo_joint(self.axis, self.controller, self.speed)
             motion = trace_joint(loop, self.cycle.found)
