@@ -23,7 +23,7 @@ def answer(result: tuple[int, str, str]) -> dict[str, Any]:
 def test_nyquist(furuta: Any, tmp_path: Path) -> None:
     """Of Fig. 4 case a crosses, b does not; --feedback replaces the gain everywhere."""
     picture = tmp_path / "new" / "figure4.png"
-    result = answer(furuta("linearize", "--figure-4", "--out", picture, "--json"))
+    result = answer(furuta("linearize", "--figure-4", "--figure", picture, "--json"))
     assert [(crossing["case"], crossing["omega_rad_s"]) for crossing in result["crossings"]] == [
         ("a", pytest.approx(3.057, abs=1e-3)),
         ("c", 0.0),
@@ -39,7 +39,7 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any, tmp_path: Path) -
     """Friction twice as strong, cycle twice as wide; without φ no cycle but rotations."""
     picture = tmp_path / "prediction.png"
     predict = ("limit-cycle", "--predict", "--json")
-    coulomb = (*predict, "--law", "coulomb", "--set", "alpha0=0.42", "--out", picture)
+    coulomb = (*predict, "--law", "coulomb", "--set", "alpha0=0.42", "--figure", picture)
     (cycle,) = answer(furuta(*coulomb))["cycles"]
     assert cycle["phi_peak_to_peak_rad"] == pytest.approx(2 * 0.6425, abs=2e-4)
     assert cycle["stable"] is True
@@ -52,7 +52,7 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any, tmp_path: Path) -
 
 def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
     picture = tmp_path / "cycle.png"
-    result = answer(furuta("limit-cycle", "--json", "--out", picture))
+    result = answer(furuta("limit-cycle", "--json", "--figure", picture))
     assert (result["kind"], result["stable"]) == ("limit_cycle", True)
     assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
     assert picture.read_bytes().startswith(PNG)
@@ -80,7 +80,9 @@ def test_files_are_read_once(furuta: Any, tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_branch(furuta: Any, tmp_path: Path) -> None:
     picture = tmp_path / "branch.png"
-    result = answer(furuta("limit-cycle", "--over", "viscous=0.2:0.3", "--json", "--out", picture))
+    result = answer(
+        furuta("limit-cycle", "--over", "viscous=0.2:0.3", "--json", "--figure", picture)
+    )
     folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
     assert folds == [pytest.approx(0.2095, abs=1e-3)]
     assert picture.read_bytes().startswith(PNG)

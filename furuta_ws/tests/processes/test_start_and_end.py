@@ -120,7 +120,7 @@ SHOWN = {
     "bag replay bag --rate 0": (0, "replaying"),
     "bag export bag --out bag.csv": (0, "reading bag"),
     "bag recover bag": (0, "recovering bag"),
-    "swing-up --starts 2": (0, "starting"),
+    "swing-up --starts 2": (0, "swinging up"),
     "hw check --port mock --seconds 0.1": (0, "checking"),
     "param get observer alpha0": (1, "looking for observer"),
 }

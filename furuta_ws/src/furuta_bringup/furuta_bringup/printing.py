@@ -13,7 +13,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from furuta.results.text import values_text
+from furuta.results.text import escaped, values_text
 
 if TYPE_CHECKING:
     from furuta.results.result import Result
@@ -63,11 +63,6 @@ def print_file(text: str) -> None:
 def printable(text: str) -> str:
     """The text as one line, not too long, with escapes for what a terminal would not print."""
     return escaped(text[:LONGEST_LINE] + (" ..." if len(text) > LONGEST_LINE else ""))
-
-
-def escaped(text: str) -> str:
-    """The text with escapes for what a terminal would not print, such as its own commands."""
-    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
 def show(result: Any, as_json: bool, figure: Path | None = None, **more: Any) -> None:

@@ -36,7 +36,7 @@ def _lines(values: Mapping[str, Any], indent: str) -> Iterator[str]:
     for name, value in values.items():
         if _is_missing(value) or name in BESIDE:
             continue
-        title = f"{indent}{name:<{max(0, NAME - len(indent))}}"
+        title = f"{indent}{escaped(name):<{max(0, NAME - len(indent))}}"
         if isinstance(value, Mapping):
             yield title.rstrip()
             yield from _lines(value, indent + "  ")
@@ -71,13 +71,18 @@ def _value(name: str, value: Any) -> str:
     return rounded(value) + (f"  ({math.degrees(value):.3g}°)" if degrees else "")
 
 
+def escaped(text: str) -> str:
+    """The text with escapes for what a terminal would not print, such as its own commands."""
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+
+
 def rounded(value: Any) -> str:
     """A value for people: a number with six digits, which is more than is known."""
     if isinstance(value, list | tuple):
         return ", ".join(map(rounded, value)) or "none"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return f"{value:.6g}" if isinstance(value, float) else escaped(str(value))
 
 
 def table_text(
