@@ -1,0 +1,170 @@
+"""Put simulators of joints through the scenes of scenes.json: a table and a picture.
+
+python run.py mujoco mujoco-lugre my_engine.py --out sticking
+
+Each engine is a file with_NAME.py here, or a file of your own: see README.md. It needs that engine,
+numpy and matplotlib, and nothing else of this project.
+"""
+
+import argparse
+import importlib.util
+import json
+from math import inf, isfinite, nan, pi, sin
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).parent
+FILE = json.loads((HERE / "scenes.json").read_text())
+STEPS = FILE["steps_s"]
+RIGHT, STILL, SOFT = 0.01, 1e-4, 0.2
+COLOURS = {"right": "#8fce8f", "soft": "#ffe08a", "wrong": "#f09a9a", "not offered": "#eeeeee"}
+Scene = dict[str, Any]
+
+
+def load(engine: str) -> tuple[ModuleType, str]:
+    """The module of an engine, and the variant of it."""
+    name, _, variant = engine.partition("-")
+    path = Path(engine) if engine.endswith(".py") else HERE / f"with_{name}.py"
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if not path.exists() or spec is None or spec.loader is None:
+        known = ", ".join(sorted(p.stem[5:] for p in HERE.glob("with_*.py")))
+        raise SystemExit(f"error: there is no engine {engine}; give a file.py, or one of {known}")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module, "" if engine.endswith(".py") else variant
+
+
+def simulate(module: ModuleType, variant: str, scene: Scene, step: float) -> np.ndarray:
+    """Rows of time, angle, speed and e, at the start and after each step."""
+    start, drive = scene["start"], dict.fromkeys(("kp", "ki", "kd", "speed"), 0.0) | scene["torque"]
+    q, v = start["angle"], start["speed"]
+    joint = module.Joint(scene["law"], dict(scene["parameters"]), q, v, step, variant)
+    rows, integral = np.empty((round(scene["seconds"] / step) + 1, 4)), 0.0
+    for k in range(len(rows)):
+        t = k * step
+        e = drive["speed"] * t - q
+        rows[k] = t, q, v, e
+        torque = drive.get("constant", 0.0) + drive.get("rate", 0.0) * t
+        torque += drive.get("amplitude", 0.0) * sin(2.0 * pi * drive.get("frequency", 0.0) * t)
+        integral += step * e
+        torque += drive["kp"] * e + drive["ki"] * integral + drive["kd"] * (drive["speed"] - v)
+        q, v = joint.step(torque)
+        if not abs(q) < 1e6:
+            rows[k + 1 :] = nan
+            break
+    return rows
+
+
+def value(rows: np.ndarray, measured: dict[str, Any]) -> float:
+    """What is measured, from the rows of a simulation."""
+    t, q, v, e = rows.T
+    what = measured["what"]
+    if what in ("angle", "speed"):
+        return float((q if what == "angle" else v)[-1])
+    if what == "passes":
+        k = int(np.argmax(q >= measured["angle"]))
+        passed = q[k] >= measured["angle"] and k > 0
+        return float(np.interp(measured["angle"], q[k - 1 : k + 1], t[k - 1 : k + 1])) if passed else inf
+    late = e[t >= measured["from"] - 1e-9]
+    size = float(np.ptp(late))
+    if what == "peak_to_peak":
+        return size
+    high = late > late.min() + 0.5 * size
+    crossings = np.flatnonzero(high[1:] & ~high[:-1])
+    moves = size > 0.01 and len(crossings) > 1
+    return (t[1] - t[0]) * float(np.diff(crossings).mean()) if moves else inf
+
+
+def error(found: float, measured: dict[str, Any]) -> float:
+    """The error relative to the exact value, or to the scale where that is 0."""
+    return abs(found - measured["exact"]) / measured["scale"] if isfinite(found) else inf
+
+
+def verdict(found: list[float], scene: Scene) -> str:
+    """The judgement of scenes.json on the values of the shortest step."""
+    worst = 0
+    for one, measured in zip(found, scene["measured"], strict=True):
+        off = error(one, measured)
+        close = off <= RIGHT if measured["exact"] else abs(one) <= STILL
+        worst = max(worst, 0 if close else 1 if off <= SOFT else 2)
+    return ("right", "soft", "wrong")[worst]
+
+
+def tried(engine: str) -> dict[str, Any]:
+    """Name, version, and for each scene the verdict and the values by time step."""
+    module, variant = load(engine)
+    result: dict[str, Any] = {"engine": engine, "version": module.VERSION, "scenes": {}}
+    for scene in FILE["scenes"]:
+        if scene["law"] not in module.LAWS[variant]:
+            result["scenes"][scene["name"]] = {"verdict": "not offered", "values": []}
+            continue
+        runs = [simulate(module, variant, scene, step) for step in STEPS]
+        values = [[value(rows, each) for each in scene["measured"]] for rows in runs]
+        found = {"verdict": verdict(values[-1], scene), "values": values}
+        result["scenes"][scene["name"]] = found
+        text = "; ".join(" ".join(f"{one:.5g}" for one in each) for each in values)
+        print(f"{engine:15} {scene['name']:11} {found['verdict']:6} {text}", flush=True)
+    return result
+
+
+def cell(found: dict[str, Any], scene: Scene) -> str:
+    """The verdict, and the largest error at the shortest step."""
+    if not found["values"]:
+        return found["verdict"]
+    worst = max(error(*pair) for pair in zip(found["values"][-1], scene["measured"], strict=True))
+    percent = f"{100.0 * worst:.2g} %" if worst < 10.0 else "beyond"
+    return f"{found['verdict']}, {percent}" if worst else found["verdict"]
+
+
+def table(results: list[dict[str, Any]]) -> str:
+    """The results as a table in Markdown."""
+    heads = [f"{r['engine']}" for r in results]
+    lines = ["| scene | " + " | ".join(heads) + " |", "|---" * (len(results) + 1) + "|"]
+    for scene in FILE["scenes"]:
+        cells = [cell(r["scenes"][scene["name"]], scene) for r in results]
+        lines.append(f"| {scene['name']} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def draw(results: list[dict[str, Any]], path: Path) -> None:
+    """The picture: scene by engine, coloured by verdict."""
+    import matplotlib.pyplot as plt  # noqa: PLC0415 - after the engines, some of which bring their own
+
+    names = [scene["name"] for scene in FILE["scenes"]]
+    figure, axes = plt.subplots(figsize=(1.5 + 1.25 * len(results), 5.0))
+    for x, result in enumerate(results):
+        for y, scene in enumerate(FILE["scenes"]):
+            found = result["scenes"][scene["name"]]
+            axes.add_patch(plt.Rectangle((x, y), 0.96, 0.92, color=COLOURS[found["verdict"]]))
+            words = cell(found, scene).replace(", ", "\n")
+            axes.text(x + 0.48, y + 0.46, words, ha="center", va="center", fontsize=8)
+    heads = [f"{r['engine']}\n{r['version']}" for r in results]
+    axes.set_xticks(np.arange(len(results)) + 0.48, heads, fontsize=8)
+    axes.set_yticks(np.arange(len(names)) + 0.46, names)
+    axes.set(xlim=(0, len(results)), ylim=(len(names), 0))
+    axes.xaxis.tick_top()
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    figure.savefig(path, dpi=100, bbox_inches="tight")
+
+
+def main() -> None:
+    """Run the engines that the command line names."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("engines", nargs="+", help="NAME or NAME-VARIANT of with_NAME.py, or file.py")
+    parser.add_argument("--out", default="sticking", help="OUT.png and OUT.json; adds to OUT.json")
+    arguments = parser.parse_args()
+    kept = Path(f"{arguments.out}.json")
+    results = {r["engine"]: r for r in (json.loads(kept.read_text()) if kept.exists() else [])}
+    for engine in arguments.engines:
+        results[engine] = tried(engine)
+        kept.write_text(json.dumps(list(results.values()), indent=1))
+    print(table(list(results.values())))
+    draw(list(results.values()), Path(f"{arguments.out}.png"))
+
+
+if __name__ == "__main__":
+    main()
