@@ -41,7 +41,9 @@ def simulate(module: ModuleType, variant: str, scene: Scene, step: float) -> np.
     """Rows of time, angle, speed and e, at the start and after each step."""
     start, drive = scene["start"], dict.fromkeys(("kp", "ki", "kd", "speed"), 0.0) | scene["torque"]
     q, v = start["angle"], start["speed"]
-    joint = module.Joint(scene["law"], dict(scene["parameters"]), q, v, step, variant)
+    p = {"viscous": 0.0, "height": scene["parameters"].get("gravity", 0.0) / 9.81}
+    p |= scene["parameters"] | {"moment": scene["parameters"]["inertia"] - p["height"] ** 2}
+    move = module.joint(scene["law"], p, q, v, step, variant)
     rows, integral = np.empty((round(scene["seconds"] / step) + 1, 4)), 0.0
     for k in range(len(rows)):
         t = k * step
@@ -51,7 +53,7 @@ def simulate(module: ModuleType, variant: str, scene: Scene, step: float) -> np.
         torque += drive.get("amplitude", 0.0) * sin(2.0 * pi * drive.get("frequency", 0.0) * t)
         integral += step * e
         torque += drive["kp"] * e + drive["ki"] * integral + drive["kd"] * (drive["speed"] - v)
-        q, v = joint.step(torque)
+        q, v = move(torque)
         if not abs(q) < 1e6:
             rows[k + 1 :] = nan
             break
