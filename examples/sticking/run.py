@@ -64,13 +64,16 @@ def value(rows: np.ndarray, measured: dict[str, Any]) -> float:
     """What is measured, from the rows of a simulation."""
     t, q, v, e = rows.T
     what = measured["what"]
-    if what in ("angle", "speed"):
-        return float((q if what == "angle" else v)[-1])
+    if what == "angle":
+        return float(q[-1])
     if what == "passes":
         k = int(np.argmax(q >= measured["angle"]))
-        passed = q[k] >= measured["angle"] and k > 0
-        return float(np.interp(measured["angle"], q[k - 1 : k + 1], t[k - 1 : k + 1])) if passed else inf
-    late = e[t >= measured["from"] - 1e-9]
+        near = slice(k - 1, k + 1)
+        return float(np.interp(measured["angle"], q[near], t[near])) if k else inf
+    since = t >= measured["from"] - 1e-9
+    if what == "fastest":
+        return float(np.abs(v[since]).max())
+    late = e[since]
     size = float(np.ptp(late))
     if what == "peak_to_peak":
         return size
@@ -156,7 +159,7 @@ def draw(results: list[dict[str, Any]], path: Path) -> None:
 def main() -> None:
     """Run the engines that the command line names."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("engines", nargs="+", help="NAME or NAME-VARIANT of with_NAME.py, or file.py")
+    parser.add_argument("engines", nargs="+", help="NAME or NAME-VARIANT, or your file.py")
     parser.add_argument("--out", default="sticking", help="OUT.png and OUT.json; adds to OUT.json")
     arguments = parser.parse_args()
     kept = Path(f"{arguments.out}.json")

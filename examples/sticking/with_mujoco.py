@@ -15,7 +15,8 @@ def model(law, p, angle, speed, step, variant):
     dry, motor, fast = f'frictionloss="{p["coulomb"]}"', "", 0.5 / step
     if variant == "hard":
         dry += f' solreffriction="{2.0 * step} 1" solimpfriction="0.9999 0.9999 0.001 0.5 2"'
-    stiffness = p.get("stiffness", p["inertia"] * fast**2)  # the hardest that is stable with a margin
+    # The hardest bristle that is stable up to twice the step.
+    stiffness = p.get("stiffness", p["inertia"] * fast**2)
     if variant == "lugre":
         values = (stiffness, p.get("damping", p["inertia"] * fast), p["coulomb"])
         values += (p.get("static", p["coulomb"]), p.get("stribeck_speed", 0.01))
