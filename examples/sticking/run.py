@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 HERE = Path(__file__).parent
@@ -116,44 +117,49 @@ def tried(engine: str) -> dict[str, Any]:
 
 
 def cell(found: dict[str, Any], scene: Scene) -> str:
-    """The verdict, and the largest error at the shortest step."""
-    if not found["values"]:
+    """The verdict, and the largest error at the longest and the shortest step."""
+    errors = [
+        max(error(*pair) for pair in zip(values, scene["measured"], strict=True))
+        for values in found["values"]
+    ]
+    if not errors or (found["verdict"] == "right" and max(errors) < STILL):
         return found["verdict"]
-    worst = max(error(*pair) for pair in zip(found["values"][-1], scene["measured"], strict=True))
-    percent = f"{100.0 * worst:.2g} %" if worst < 10.0 else "beyond"
-    return f"{found['verdict']}, {percent}" if worst else found["verdict"]
+    digits = [".1g" if off < 0.001 else ".2g" if off < 0.1 else ".0f" for off in errors]
+    texts = [
+        f"{100.0 * off:{form}}" if off < 2.0 else ">200"
+        for off, form in zip(errors, digits, strict=True)
+    ]
+    return f"{found['verdict']} {' → '.join(dict.fromkeys((texts[0], texts[-1])))} %"
 
 
 def table(results: list[dict[str, Any]]) -> str:
     """The results as a table in Markdown."""
-    heads = [f"{r['engine']}" for r in results]
-    lines = ["| scene | " + " | ".join(heads) + " |", "|---" * (len(results) + 1) + "|"]
-    for scene in FILE["scenes"]:
-        cells = [cell(r["scenes"][scene["name"]], scene) for r in results]
-        lines.append(f"| {scene['name']} | " + " | ".join(cells) + " |")
+    scenes = FILE["scenes"]
+    lines = ["| | " + " | ".join(scene["name"] for scene in scenes) + " |", "|---" * 13 + "|"]
+    for result in results:
+        cells = [cell(result["scenes"][scene["name"]], scene) for scene in scenes]
+        text = " | ".join(cells).replace("not offered", "–")
+        lines.append(f"| {result['engine']} {result['version']} | {text} |")
     return "\n".join(lines)
 
 
 def draw(results: list[dict[str, Any]], path: Path) -> None:
     """The picture: scene by engine, coloured by verdict."""
-    import matplotlib.pyplot as plt  # noqa: PLC0415 - after the engines, some of which bring their own
-
     names = [scene["name"] for scene in FILE["scenes"]]
-    figure, axes = plt.subplots(figsize=(1.5 + 1.25 * len(results), 5.0))
+    figure, axes = plt.subplots(figsize=(1.0 + 1.15 * len(results), 5.0))
     for x, result in enumerate(results):
         for y, scene in enumerate(FILE["scenes"]):
             found = result["scenes"][scene["name"]]
             axes.add_patch(plt.Rectangle((x, y), 0.96, 0.92, color=COLOURS[found["verdict"]]))
-            words = cell(found, scene).replace(", ", "\n")
+            words = cell(found, scene).replace(" ", "\n", found["verdict"] != "not offered")
             axes.text(x + 0.48, y + 0.46, words, ha="center", va="center", fontsize=8)
-    heads = [f"{r['engine']}\n{r['version']}" for r in results]
-    axes.set_xticks(np.arange(len(results)) + 0.48, heads, fontsize=8)
+    heads = [f"{r['engine'].replace('-', chr(10))}\n{r['version']}" for r in results]
+    axes.set_xticks(np.arange(len(results)) + 0.48, heads, fontsize=9)
     axes.set_yticks(np.arange(len(names)) + 0.46, names)
     axes.set(xlim=(0, len(results)), ylim=(len(names), 0))
-    axes.xaxis.tick_top()
-    axes.tick_params(length=0)
+    axes.tick_params(length=0, labeltop=True, labelbottom=False)
     axes.spines[:].set_visible(False)
-    figure.savefig(path, dpi=100, bbox_inches="tight")
+    figure.savefig(path, dpi=80, bbox_inches="tight")
 
 
 def main() -> None:

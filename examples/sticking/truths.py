@@ -233,7 +233,8 @@ def write(scenes: list[Scene]) -> None:
         for t0, t1, path in motion(scene).pieces:
             t = np.linspace(t0, t1, 100)
             panel.plot(t, [path(each)[0] for each in t], "C0")
-        panel.set(title=scene["title"], xlabel="time [s]", ylabel="angle [rad]")
+        panel.set_title(scene["title"], fontsize=9)
+        panel.set(xlabel="time [s]", ylabel="angle [rad]")
     figure.savefig(HERE / "scenes.png", dpi=70)
 
 

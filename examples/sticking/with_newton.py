@@ -1,11 +1,11 @@
-"""Newton on the CPU, in single precision: its solvers MuJoCo and Kamino (kamino)."""
+"""Newton on the CPU, in single precision: its solver MuJoCo."""
 
 import newton
 import numpy as np
 import warp
 
 VERSION = newton.__version__
-LAWS = {"": ("coulomb",), "kamino": ("coulomb",)}
+LAWS = {"": ("coulomb",)}
 warp.config.quiet = True
 
 
@@ -17,12 +17,12 @@ def joint(law, p, angle, speed, step, variant):
     dry = {"friction": p["coulomb"], "damping": p["viscous"], "armature": 0.0}
     hinge = builder.add_joint_revolute(-1, link, axis=(0.0, 1.0, 0.0), **dry)
     builder.add_articulation([hinge])
-    kind = newton.solvers.SolverKamino if variant else newton.solvers.SolverMuJoCo
     with warp.ScopedDevice("cpu"):
         model = builder.finalize()
         model.joint_q.fill_(angle)
         model.joint_qd.fill_(speed)
-        solver, control, now, then = kind(model), model.control(), model.state(), model.state()
+        solver, control = newton.solvers.SolverMuJoCo(model), model.control()
+        now, then = model.state(), model.state()
         newton.eval_fk(model, model.joint_q, model.joint_qd, now)
         with warp.ScopedCapture("cpu") as capture:
             solver.step(now, then, control, None, step)
