@@ -2,13 +2,16 @@
 
 import importlib.util
 import json
-import sys
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from sources import ROOT
+
+import furuta
+from furuta.axis.joint_file import JointFile
+from furuta.export.joint_models import joint_model
 
 FOLDER = ROOT / "examples" / "sticking"
 SCENES = {
@@ -87,11 +90,8 @@ def test_an_unknown_engine_is_named(run: ModuleType) -> None:
 @pytest.mark.parametrize(
     ("variant", "name"), [(variant, name) for variant, row in MUJOCO.items() for name in row]
 )
-def test_row_of_mujoco(
-    run: ModuleType, variant: str, name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_row_of_mujoco(run: ModuleType, variant: str, name: str) -> None:
     pytest.importorskip("mujoco", reason="mujoco is not installed")
-    monkeypatch.setattr(sys, "path", [str(FOLDER), *sys.path])
     module, _ = run.load("mujoco")
     scene, step = SCENES[name], run.STEPS[-1]
     rows = run.simulate(module, variant, scene, step)
@@ -101,3 +101,30 @@ def test_row_of_mujoco(
         # (1 - d) / d · dmax · timeconst / 2 of MuJoCo's defaults, times torque over inertia.
         creep = 0.1 / 0.9 * 0.95 * 0.02 / 2.0 * 0.3 / 0.1
         assert found[0] == pytest.approx(creep, rel=1e-3)
+
+
+@pytest.mark.parametrize("variant", ["", "hard", "lugre"])
+def test_exported_models_are_those_of_the_scenes(run: ModuleType, variant: str) -> None:
+    """What the row of MuJoCo shows holds for the files of ``export`` too."""
+    mujoco = pytest.importorskip("mujoco", reason="mujoco is not installed")
+    p, step = SCENES["hunting"]["parameters"], run.STEPS[-1]
+    others = ("axis.viscous", "axis.offset", "axis.gravity_sin", "axis.gravity_cos")
+    friction = furuta.Friction(
+        alpha0=p["coulomb"],
+        alpha1=p["static"] - p["coulomb"],
+        stribeck_velocity=p["stribeck_speed"],
+        viscous=p["viscous"],
+    )
+    values = {**friction._asdict(), "axis.inertia": p["inertia"], **dict.fromkeys(others, 0.0)}
+    form = "mjcf" if variant else "urdf"
+    text = joint_model(JointFile("elbow", values, None), form, lugre=variant == "lugre", step=step)
+    exported = mujoco.MjModel.from_xml_string(text)
+    module, _ = run.load("mujoco")
+    body = {"height": 0.0, "moment": p["inertia"]}
+    made, _ = module.model("stribeck", p | body, 0.0, 0.0, step, variant)
+    names = ["dof_solref", "dof_solimp", "dof_frictionloss", "dof_damping", "dof_M0"]
+    if variant == "lugre":
+        names += ["actuator_dynprm", "actuator_gainprm", "actuator_biasprm"]
+    for name in names:
+        one, other = (getattr(model, name)[-1] for model in (exported, made))
+        np.testing.assert_allclose(one, other, rtol=1e-6, err_msg=name)
