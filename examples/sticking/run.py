@@ -7,11 +7,12 @@ numpy and matplotlib, and nothing else of this project.
 """
 
 import argparse
-import importlib.util
 import json
+import runpy
+from collections import defaultdict
 from math import inf, isfinite, nan, pi, sin
 from pathlib import Path
-from types import ModuleType
+from types import SimpleNamespace
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -25,38 +26,38 @@ COLOURS = {"right": "#8fce8f", "soft": "#ffe08a", "wrong": "#f09a9a", "not offer
 Scene = dict[str, Any]
 
 
-def load(engine: str) -> tuple[ModuleType, str]:
-    """The module of an engine, and the variant of it."""
+def load(engine: str) -> tuple[SimpleNamespace, str]:
+    """The names of an engine's file, and the variant."""
+    own = engine.endswith(".py")
     name, _, variant = engine.partition("-")
-    path = Path(engine) if engine.endswith(".py") else HERE / f"with_{name}.py"
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    if not path.exists() or spec is None or spec.loader is None:
+    path = Path(engine) if own else HERE / f"with_{name}.py"
+    if not path.exists():
         known = ", ".join(sorted(p.stem[5:] for p in HERE.glob("with_*.py")))
         raise SystemExit(f"error: there is no engine {engine}; give a file.py, or one of {known}")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module, "" if engine.endswith(".py") else variant
+    return SimpleNamespace(**runpy.run_path(str(path))), "" if own else variant
 
 
-def simulate(module: ModuleType, variant: str, scene: Scene, step: float) -> np.ndarray:
+def torque(scene: Scene, t: float, q: float, v: float, integral: float) -> float:
+    """The torque of a scene [N m]; ``integral`` is that of e."""
+    p = defaultdict(float, scene["torque"])
+    control = p["kp"] * (p["speed"] * t - q) + p["ki"] * integral + p["kd"] * (p["speed"] - v)
+    wave = p["amplitude"] * sin(2.0 * pi * p["frequency"] * t)
+    return p["constant"] + p["rate"] * t + wave + control
+
+
+def simulate(module: SimpleNamespace, variant: str, scene: Scene, step: float) -> np.ndarray:
     """Rows of time, angle, speed and e, at the start and after each step."""
-    start, drive = scene["start"], dict.fromkeys(("kp", "ki", "kd", "speed"), 0.0) | scene["torque"]
-    q, v = start["angle"], start["speed"]
+    q, v = scene["start"]["angle"], scene["start"]["speed"]
     p = {"viscous": 0.0, "height": scene["parameters"].get("gravity", 0.0) / 9.81}
     p |= scene["parameters"] | {"moment": scene["parameters"]["inertia"] - p["height"] ** 2}
     move = module.joint(scene["law"], p, q, v, step, variant)
-    rows, integral = np.empty((round(scene["seconds"] / step) + 1, 4)), 0.0
+    rows, integral = np.full((round(scene["seconds"] / step) + 1, 4), nan), 0.0
     for k in range(len(rows)):
-        t = k * step
-        e = drive["speed"] * t - q
-        rows[k] = t, q, v, e
-        torque = drive.get("constant", 0.0) + drive.get("rate", 0.0) * t
-        torque += drive.get("amplitude", 0.0) * sin(2.0 * pi * drive.get("frequency", 0.0) * t)
+        e = scene["torque"].get("speed", 0.0) * k * step - q
+        rows[k] = k * step, q, v, e
         integral += step * e
-        torque += drive["kp"] * e + drive["ki"] * integral + drive["kd"] * (drive["speed"] - v)
-        q, v = move(torque)
+        q, v = move(torque(scene, k * step, q, v, integral))
         if not abs(q) < 1e6:
-            rows[k + 1 :] = nan
             break
     return rows
 
@@ -102,6 +103,8 @@ def verdict(found: list[float], scene: Scene) -> str:
 def tried(engine: str) -> dict[str, Any]:
     """Name, version, and for each scene the verdict and the values by time step."""
     module, variant = load(engine)
+    if variant not in module.LAWS:
+        raise SystemExit(f"error: {engine} is not a variant; there are {sorted(module.LAWS)}")
     result: dict[str, Any] = {"engine": engine, "version": module.VERSION, "scenes": {}}
     for scene in FILE["scenes"]:
         if scene["law"] not in module.LAWS[variant]:
@@ -124,12 +127,8 @@ def cell(found: dict[str, Any], scene: Scene) -> str:
     ]
     if not errors or (found["verdict"] == "right" and max(errors) < STILL):
         return found["verdict"]
-    digits = [".1g" if off < 0.001 else ".2g" if off < 0.1 else ".0f" for off in errors]
-    texts = [
-        f"{100.0 * off:{form}}" if off < 2.0 else ">200"
-        for off, form in zip(errors, digits, strict=True)
-    ]
-    return f"{found['verdict']} {' → '.join(dict.fromkeys((texts[0], texts[-1])))} %"
+    first, last = (f"{100.0 * off:.2g}" if off < 1.0 else ">100" for off in (errors[0], errors[-1]))
+    return f"{found['verdict']} {last if first == last else f'{first} → {last}'} %"
 
 
 def table(results: list[dict[str, Any]]) -> str:

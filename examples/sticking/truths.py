@@ -5,7 +5,7 @@ tools/in_environment python examples/sticking/truths.py --write    # also scenes
 
 The first method is the library's (the motion of a linear loop in closed form or by its own
 integrator, and the limit cycle by Newton's method) or a formula. The second one knows only
-scenes.json, and integrates from event to event with DOP853 of scipy.
+scenes.json and its torque, and integrates from event to event with DOP853 of scipy.
 """
 
 import json
@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
+from run import torque
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -29,14 +30,6 @@ from furuta.limit_cycles.smooth_motion import AT_REST, EVENT, extent_at
 
 HERE = Path(__file__).parent
 Scene = dict[str, Any]
-
-
-def torque(scene: Scene, t: float, q: float, v: float, integral: float) -> float:
-    """The torque of scenes.json [N m]; ``integral`` is that of e."""
-    p = defaultdict(float, scene["torque"])
-    control = p["kp"] * (p["speed"] * t - q) + p["ki"] * integral + p["kd"] * (p["speed"] - v)
-    wave = p["amplitude"] * np.sin(2.0 * np.pi * p["frequency"] * t)
-    return p["constant"] + p["rate"] * t + wave + control
 
 
 # --- The first method ------------------------------------------------------------------------

@@ -12,8 +12,8 @@ def joint(law, p, angle, speed, step, variant):
     skeleton, world = dart.dynamics.Skeleton("scene"), dart.simulation.World("scene")
     hinge, body = skeleton.createRevoluteJointAndBodyNodePair()
     hinge.setAxis([0.0, 1.0, 0.0])
-    moment = np.eye(3) * p["moment"]
-    body.setInertia(dart.dynamics.Inertia(1.0, [0.0, 0.0, p["height"]], moment))
+    centre, moment = [0.0, 0.0, p["height"]], np.eye(3) * p["moment"]
+    body.setInertia(dart.dynamics.Inertia(1.0, centre, moment))
     hinge.setCoulombFriction(0, p["coulomb"])
     hinge.setDampingCoefficient(0, p["viscous"])
     hinge.setPosition(0, angle)

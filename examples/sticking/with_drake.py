@@ -9,7 +9,6 @@ from pydrake.systems.analysis import Simulator
 
 VERSION = importlib.metadata.version("drake")
 LAWS = {"": (), "motor": ("coulomb",)}
-BRAKE = PdControllerGains(p=0.0, d=1e6)
 
 
 def joint(law, p, angle, speed, step, variant):
@@ -20,7 +19,7 @@ def joint(law, p, angle, speed, step, variant):
     frames = plant.world_frame(), body.body_frame()
     hinge = plant.AddJoint(RevoluteJoint("joint", *frames, [0.0, 1.0, 0.0], p["viscous"]))
     brake = plant.AddJointActuator("brake", hinge, p["coulomb"])  # its limit is the level
-    brake.set_controller_gains(BRAKE)
+    brake.set_controller_gains(PdControllerGains(p=0.0, d=1e6))
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -9.81])
     plant.Finalize()
     simulator, steps = Simulator(plant), count(1)

@@ -10,7 +10,6 @@ import rapier3d as rapier
 
 VERSION = importlib.metadata.version("rapier3d")
 LAWS = {"": (), "motor": ("coulomb",), "impulse": ("coulomb",)}
-BRAKE = 1e6  # N m s/rad
 
 
 def joint(law, p, angle, speed, step, variant):
@@ -24,7 +23,7 @@ def joint(law, p, angle, speed, step, variant):
     ends = world.add_body(rapier.RigidBody.fixed()), world.add_body(body)
     hinge, bodies = rapier.RevoluteJoint((0.0, 1.0, 0.0)), world.rigid_bodies
     hinge.set_motor_model(rapier.MotorModel.FORCE_BASED)
-    hinge.set_motor_velocity(0.0, BRAKE)
+    hinge.set_motor_velocity(0.0, 1e6)
     hinge.set_motor_max_force(p["coulomb"])
     if variant == "impulse":
         world.impulse_joints.insert(*ends, hinge)

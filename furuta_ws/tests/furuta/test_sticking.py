@@ -35,7 +35,9 @@ def loaded(name: str) -> ModuleType:
 
 @pytest.fixture(scope="module")
 def truths() -> ModuleType:
-    return loaded("truths")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(FOLDER)
+        return loaded("truths")
 
 
 @pytest.fixture(scope="module")
