@@ -151,7 +151,7 @@ def draw(results: list[dict[str, Any]], path: Path) -> None:
             found = result["scenes"][scene["name"]]
             axes.add_patch(plt.Rectangle((x, y), 0.96, 0.92, color=COLOURS[found["verdict"]]))
             words = cell(found, scene).replace(" ", "\n", found["verdict"] != "not offered")
-            axes.text(x + 0.48, y + 0.46, words, ha="center", va="center", fontsize=8)
+            axes.text(x + 0.48, y + 0.46, words, ha="center", va="center", fontsize=7)
     heads = [f"{r['engine'].replace('-', chr(10))}\n{r['version']}" for r in results]
     axes.set_xticks(np.arange(len(results)) + 0.48, heads, fontsize=9)
     axes.set_yticks(np.arange(len(names)) + 0.46, names)
