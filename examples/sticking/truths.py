@@ -13,12 +13,11 @@ import re
 import sys
 from collections import defaultdict
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-from run import torque
+from run import FILE, HERE, Scene, torque
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
@@ -27,10 +26,6 @@ from furuta.limit_cycles.exact_motion import follow_piece, state_after
 from furuta.limit_cycles.friction_loop import first_mode, next_mode
 from furuta.limit_cycles.joint import joint
 from furuta.limit_cycles.smooth_motion import AT_REST, EVENT, extent_at
-
-HERE = Path(__file__).parent
-Scene = dict[str, Any]
-
 
 # --- The first method ------------------------------------------------------------------------
 
@@ -232,10 +227,9 @@ def write(scenes: list[Scene]) -> None:
 
 
 if __name__ == "__main__":
-    SCENES = json.loads((HERE / "scenes.json").read_text())["scenes"]
-    for scene in SCENES:
+    for scene in FILE["scenes"]:
         for each, (exact, bound) in zip(scene["measured"], compared(scene), strict=True):
             each |= {"exact": exact, "error": bound, "scale": each["scale"] or abs(exact)}
             print(f"{scene['name']:11} {each['what']:13} {exact:.12g} ± {bound:.0e}")
     if "--write" in sys.argv:
-        write(SCENES)
+        write(FILE["scenes"])

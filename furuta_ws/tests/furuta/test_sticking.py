@@ -20,6 +20,7 @@ SCENES = {
 # Verdict of MuJoCo at the shortest step, by variant; the other scenes are not offered.
 MUJOCO = {
     "": {"creep": "soft", "ramp": "soft", "coast": "right"},
+    "noslip": {"hold": "right", "creep": "right", "ramp": "right"},
     "lugre": {"creep": "right", "coast": "right", "static": "right", "bristle": "right"},
 }
 
