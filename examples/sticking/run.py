@@ -145,7 +145,7 @@ def table(results: list[dict[str, Any]]) -> str:
 def draw(results: list[dict[str, Any]], path: Path) -> None:
     """The picture: scene by engine, coloured by verdict."""
     names = [scene["name"] for scene in FILE["scenes"]]
-    figure, axes = plt.subplots(figsize=(1.0 + 1.05 * len(results), 5.0))
+    figure, axes = plt.subplots(figsize=(1.0 + 1.15 * len(results), 5.0))
     for x, result in enumerate(results):
         for y, scene in enumerate(FILE["scenes"]):
             found = result["scenes"][scene["name"]]

@@ -24,9 +24,8 @@ def model(law, p, angle, speed, step, variant):
         values += (p.get("static", p["coulomb"]), p.get("stribeck_speed", 0.01))
         motor = '<dcmotor joint="joint" motorconst="1e-9" resistance="1e9" lugre="{}"/>'
         dry, motor = "", f"<actuator>{motor.format(' '.join(map(str, values)))}</actuator>"
-    made = mujoco.MjModel.from_xml_string(
-        TEXT.format(**p, step=step, more=more, dry=dry, motor=motor)
-    )
+    text = TEXT.format(**p, step=step, more=more, dry=dry, motor=motor)
+    made = mujoco.MjModel.from_xml_string(text)
     data = mujoco.MjData(made)
     data.qpos[0], data.qvel[0] = angle, speed
     if variant == "lugre" and speed:  # the bristle of a joint that slides is stretched

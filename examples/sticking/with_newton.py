@@ -15,8 +15,7 @@ def joint(law, p, angle, speed, step, variant):
     com, moment = (0.0, 0.0, p["height"]), np.eye(3) * p["moment"]
     link = builder.add_link(mass=1.0, com=com, inertia=moment)
     dry = {"friction": p["coulomb"], "damping": p["viscous"], "armature": 0.0}
-    hinge = builder.add_joint_revolute(-1, link, axis=(0.0, 1.0, 0.0), **dry)
-    builder.add_articulation([hinge])
+    builder.add_articulation([builder.add_joint_revolute(-1, link, axis=(0.0, 1.0, 0.0), **dry)])
     with warp.ScopedDevice("cpu"):
         model = builder.finalize()
         model.joint_q.fill_(angle)
