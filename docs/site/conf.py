@@ -23,7 +23,13 @@ project_copyright = author
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_click"]
 root_doc = "docs/README"
-include_patterns = ["*.md", "course/README.md", "docs/*.md", "docs/reference/*.md"]
+include_patterns = [
+    "*.md",
+    "course/README.md",
+    "examples/sticking/README.md",
+    "docs/*.md",
+    "docs/reference/*.md",
+]
 exclude_patterns = [".*", "output", "furuta_ws"]
 # Links to headings work as on GitHub; a link without a target is a warning, and so an error.
 myst_heading_anchors = 4

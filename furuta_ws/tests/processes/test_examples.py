@@ -20,7 +20,6 @@ NODE = EXAMPLES.pop("own_controller_node")  # does not end by itself
 # What an example needs beside the library, and those that take long.
 PACKAGES = {
     "bag_to_pandas": "pandas",
-    "joint_in_mujoco": "mujoco",
     "parallel_sweep": "distributed",
     "predicted_cycles": "control",
     "train_policy": "gymnasium",
