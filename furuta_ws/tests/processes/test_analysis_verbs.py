@@ -80,9 +80,8 @@ def test_files_are_read_once(furuta: Any, tmp_path: Path, monkeypatch: pytest.Mo
 
 def test_branch(furuta: Any, tmp_path: Path) -> None:
     picture = tmp_path / "branch.png"
-    result = answer(
-        furuta("limit-cycle", "--over", "viscous=0.2:0.3", "--json", "--figure", picture)
-    )
+    over = ("--over", "viscous=0.2:0.3", "--figure", picture)
+    result = answer(furuta("limit-cycle", *over, "--json"))
     folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
     assert folds == [pytest.approx(0.2095, abs=1e-3)]
     assert picture.read_bytes().startswith(PNG)
