@@ -37,8 +37,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     """Estimates the state from the measurement.
 
     Subscribes to ``measurement`` (effort of the arm: the torque applied since the last one [V]);
-    publishes ``joint_states`` with the stamp of the measurement (effort of the arm: the observed
-    friction [V], NaN with method lowpass). If a measurement is repeated (same stamp), the last
+    publishes ``joint_states`` with the stamp of the measurement and the same effort. If a measurement is repeated (same stamp), the last
     estimate is published again without a new step. Readings that cannot be used are replaced and
     reported. What cannot be estimated is NaN.
     """

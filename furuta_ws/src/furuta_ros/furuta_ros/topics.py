@@ -42,7 +42,7 @@ class Topic(NamedTuple):
 # Sensor readings, NaN without a sensor. Effort of the arm: the torque applied since the previous
 # sample [V].
 MEASUREMENT = Topic("measurement", JOINT_STATE)
-# Effort of the arm: the observed friction [V].
+# Effort of the arm: as measured, the torque applied since the previous sample [V].
 JOINT_STATES = Topic("joint_states", JOINT_STATE)
 # The velocity that a robot's joint is to have.
 REFERENCE = Topic("reference", JOINT_STATE)

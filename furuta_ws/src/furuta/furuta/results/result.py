@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from furuta.results.text import WIDTH, values_text
+from furuta_model.parameters import ParameterError
 
 
 class Result(ABC):
@@ -52,7 +53,7 @@ class Result(ABC):
         Raises:
             ParameterError: There is nothing to draw, or it needs another number of axes.
         """
-        raise NotImplementedError(f"{type(self).__name__} has no figure")
+        raise ParameterError(f"{type(self).__name__} has no figure")
 
     def __repr__(self) -> str:
         return self.report()
