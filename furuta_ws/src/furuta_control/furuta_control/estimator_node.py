@@ -37,9 +37,9 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
     """Estimates the state from the measurement.
 
     Subscribes to ``measurement`` (effort of the arm: the torque applied since the last one [V]);
-    publishes ``joint_states`` with the stamp of the measurement and the same effort. If a measurement is repeated (same stamp), the last
-    estimate is published again without a new step. Readings that cannot be used are replaced and
-    reported. What cannot be estimated is NaN.
+    publishes ``joint_states`` with the stamp of the measurement and the same effort. If a
+    measurement is repeated (same stamp), the last estimate is published again without a new step.
+    Readings that cannot be used are replaced and reported. What cannot be estimated is NaN.
     """
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:

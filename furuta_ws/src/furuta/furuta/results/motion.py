@@ -63,8 +63,8 @@ class Run(Found):
     """Series of a simulation, one row per sample of ``sample_time`` [s].
 
     Fields: ``time`` (n,) [s], ``state`` (n, 4) true x, ``estimate`` (n, 5) of x, then the torque as
-    measured [V], ``friction`` (n,) true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V],
-    ``measurement`` (n, 5) of x, NaN where there is no sensor, and of the torque applied [V].
+    measured [V], ``friction`` (n,) true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,)
+    u [V], ``measurement`` (n, 5) of x, NaN where there is no sensor, and of the torque applied [V].
     """
 
     found: Record

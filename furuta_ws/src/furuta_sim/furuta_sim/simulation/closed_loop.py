@@ -99,9 +99,10 @@ def _check_constant(before: Loop, loop: Loop) -> None:
 class Record(NamedTuple):
     """Series of a run, one row per sample of ``sample_time`` [s].
 
-    ``state`` (n, 4) true x, ``estimate`` (n, 5) of x, then the torque as measured [V], ``friction`` (n,)
-    true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V], ``measurement`` (n, 5) of
-    x, NaN where there is no sensor, and of the torque applied since the previous sample [V].
+    ``state`` (n, 4) true x, ``estimate`` (n, 5) of x, then the torque as measured [V],
+    ``friction`` (n,) true F [V], ``friction_estimate`` (n,) F̂ [V], ``command`` (n,) u [V],
+    ``measurement`` (n, 5) of x, NaN where there is no sensor, and of the torque applied since the
+    previous sample [V].
     """
 
     sample_time: float
