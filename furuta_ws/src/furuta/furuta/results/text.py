@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
@@ -13,6 +14,7 @@ WIDTH, NAME, GAP = 80, 24, 2
 # Characters of a line of a title, and the units in which names end.
 TITLE = 12
 UNITS = {"_rad_s": "rad/s", "_1_s": "1/s", "_rad": "rad", "_s": "s", "_v": "V"}
+_NUMBER = re.compile(r"[-+.\deE]+")
 # What stands beside the values of the same names.
 BESIDE = ("standard_errors", "units")
 COMPLEX = ("poles", "zeros", "multipliers")
@@ -136,7 +138,7 @@ def _column(title: str, name: str, rows: Sequence[Mapping[str, Any]], height: in
     lines = _title_lines(title)
     cells = [*[""] * (height - len(lines)), *lines, *map(_cell, values)]
     width = max(map(len, cells))
-    is_text = any(isinstance(value, str) for value in values)
+    is_text = any(isinstance(value, str) and not _NUMBER.fullmatch(value) for value in values)
     return [cell.ljust(width) if is_text else cell.rjust(width) for cell in cells]
 
 

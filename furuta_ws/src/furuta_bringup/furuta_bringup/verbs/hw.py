@@ -272,17 +272,22 @@ def show_rig(name: str, as_json: bool) -> None:
     """Show the normalised model and the friction of a rig file."""
     from furuta_hw.rigs.known_rigs import find_rig
     from furuta_model.linear import linearize
+    from furuta_model.parameters import declared
 
     rig = find_rig(name)
     a, b = linearize(rig.model)
     numbers = {"a23": a[1, 2], "a43": a[3, 2], "b21": b[1], "b41": b[3]}
-    show(
+    units = {"a23": "1/s²", "a43": "1/s²", "b21": "rad/(s² V)", "b41": "rad/(s² V)"}
+    groups: tuple[Any, ...] = (rig.model, rig.friction, rig.line)
+    for group in groups:
+        units |= {each.name: each.about.unit for each in declared(group.__class__)}
+    values = (
         rig.model._asdict()
         | {name: float(value) for name, value in numbers.items()}
         | rig.friction._asdict()
-        | {"sample_time": rig.line.sample_time, "watchdog": rig.line.watchdog},
-        as_json,
+        | {"sample_time": rig.line.sample_time, "watchdog": rig.line.watchdog}
     )
+    show(values | {"units": {name: units[name] for name in values}}, as_json)
 
 
 @command.command(context_settings={"ignore_unknown_options": True, "help_option_names": []})
