@@ -14,7 +14,7 @@ from furuta.limit_cycles.limit_cycle import limit_cycle, state_at_rest
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.limit_cycles.rest_stability import rest_stability
-from furuta.loops import ideal_loop_at
+from furuta.loops import ideal_loop
 from furuta.outcomes import Outcome, outcome
 from furuta.settings.settings import load_settings, loop
 from furuta_model.parameters import ParameterError
@@ -48,7 +48,7 @@ Gains = tuple[float, float, float, float]
 
 def ideal(*assignments: str, law: str | None = None, feedback: Gains | None = None) -> IdealLoop:
     """The ideal loop."""
-    return ideal_loop_at(loop(load_settings([], assignments)), {}, law, feedback)
+    return ideal_loop(loop(load_settings([], assignments)), {}, law, feedback)
 
 
 def exact(*assignments: str, feedback: Gains | None = None) -> LimitCycle:

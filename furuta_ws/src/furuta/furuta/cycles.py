@@ -16,7 +16,7 @@ from furuta.limit_cycles.joint import Joint, Units
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.loops import (
     checked_loop,
-    ideal_loop_at,
+    ideal_loop,
     left_out,
     require_stabilising,
     require_varied,
@@ -180,10 +180,10 @@ def cycle_branch(
     gains = None if feedback is None else list(feedback)
     require_varied(name)
     own = value_of(given, name, gains) if value is None else value
-    ideal = ideal_loop_at(given, {} if value is None else {name: value}, law, gains, linear)
+    ideal = ideal_loop(given, {} if value is None else {name: value}, law, gains, linear)
     cycle = cycles.limit_cycle(ideal, _start(theta, start))
     points = continuation.follow_branch(
-        lambda each: ideal_loop_at(given, {name: each}, law, gains, linear), low, high, own, cycle
+        lambda each: ideal_loop(given, {name: each}, law, gains, linear), low, high, own, cycle
     )
     return Branch(name, points, LimitCycle(cycle, ideal, left_out(given)))
 
@@ -221,7 +221,7 @@ def cycle_map(
     first, second = values
     firsts, seconds = (np.asarray(list(each), dtype=float) for each in values.values())
     mapped = map_feedbacks(
-        lambda a, b: ideal_loop_at(given, {first: a, second: b}, law, gains, linear),
+        lambda a, b: ideal_loop(given, {first: a, second: b}, law, gains, linear),
         firsts,
         seconds,
         theta,
@@ -241,7 +241,7 @@ def _ideal(
         _reject(law=law, feedback=feedback, linear=linear or None)
         ideal = loop
     else:
-        ideal = ideal_loop_at(checked_loop(loop), {}, law, feedback, linear)
+        ideal = ideal_loop(checked_loop(loop), {}, law, feedback, linear)
     ideal.check()
     return ideal
 

@@ -124,59 +124,32 @@ def with_parts(
 
 def ideal_loop(
     loop: Loop | None = None,
-    *,
+    values: Mapping[str, float] | None = None,
     law: str | None = None,
     feedback: Iterable[float] | None = None,
     linear: bool = False,
 ) -> IdealLoop:
-    """The loop with all states measured, without sampling and saturation.
+    """A loop with all states measured, without sampling and saturation.
 
-    Args:
-        loop: Where the pendulum, the friction and the feedback come from; by default the paper's.
-        law: coulomb, stiction, stribeck, lugre or dahl; by default that of the plant.
-        feedback: l (4,) of u = l·x [V/rad, V s/rad, V/rad, V s/rad]; by default that of the
-            controller.
-        linear: Whether to take the linear pendulum instead of the nonlinear one.
+    ``values`` are those of parameters by name, or of the gains :data:`GAINS`, which come last. The
+    rest is as of :func:`furuta.limit_cycle`. The feedback need not stabilise the pendulum.
 
-    Returns:
-        The ideal loop.
-
-    Raises:
-        ParameterError: The law is not one of these, the plant has what the ideal loop lacks, or
-            the feedback is not four finite numbers or does not stabilise the pendulum;
-            :func:`place_poles` gives L of u = -L·x, with the other sign.
-    """
-    loop = checked_loop(loop)
-    _require_plain(loop.plant)
-    friction = loop.plant.friction
-    analysed = analysed_law(law or friction.law, friction.parameters)
-    if feedback is None:
-        l1, l2, l3, l4 = (-gain for gain in loop.controller.feedback_gain)
-        return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
-    ideal = IdealLoop(loop.plant.model, analysed, *checked_feedback(list(feedback)), linear)
-    require_stabilising(ideal)
-    return ideal
-
-
-def ideal_loop_at(
-    loop: Loop,
-    values: Mapping[str, float],
-    law: str | None = None,
-    feedback: Iterable[float] | None = None,
-    linear: bool = False,
-) -> IdealLoop:
-    """The ideal loop with further values of parameters or of the gains :data:`GAINS`.
-
-    Unlike :func:`ideal_loop` it allows a feedback that does not stabilise the pendulum.
+    Raises :class:`ParameterError` if the law is not analysed, the plant has what the ideal loop
+    lacks, or the feedback is not four finite numbers.
     """
     from furuta.settings.settings import loop_settings, loop_with
 
+    loop, values = checked_loop(loop), values or {}
     named = {name: float(value) for name, value in values.items() if name not in GAINS}
-    changed = loop_with(loop_settings(loop), named) if named else loop
-    ideal = ideal_loop(changed, law=law, linear=linear)
-    gains = ideal.gains if feedback is None else checked_feedback(list(feedback))
-    l1, l2, l3, l4 = (values.get(*pair) for pair in zip(GAINS, gains, strict=True))
-    return ideal.with_gains((l1, l2, l3, l4))
+    if named:
+        loop = loop_with(loop_settings(loop), named)
+    _require_plain(loop.plant)
+    friction = loop.plant.friction
+    analysed = analysed_law(law or friction.law, friction.parameters)
+    gains = [-gain for gain in loop.controller.feedback_gain] if feedback is None else feedback
+    usual = zip(GAINS, checked_feedback(list(gains)), strict=True)
+    l1, l2, l3, l4 = (float(values.get(*pair)) for pair in usual)
+    return IdealLoop(loop.plant.model, analysed, l1, l2, l3, l4, linear)
 
 
 def value_of(loop: Loop, name: str, feedback: Iterable[float] | None = None) -> float | None:
@@ -185,7 +158,7 @@ def value_of(loop: Loop, name: str, feedback: Iterable[float] | None = None) -> 
     from furuta.settings.settings import loop_settings
 
     if name in GAINS:
-        return float(getattr(ideal_loop_at(loop, {}, feedback=feedback), name))
+        return float(getattr(ideal_loop(loop, feedback=feedback), name))
     settings = loop_settings(loop)
     found = {
         settings[node].get(declared.name, declared.default)

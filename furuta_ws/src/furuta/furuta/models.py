@@ -9,7 +9,7 @@ import numpy as np
 
 from furuta.describing_functions.describing_function import describing_function
 from furuta.limit_cycles.pendulum_loop import IdealLoop
-from furuta.loops import checked_loop, ideal_loop_at
+from furuta.loops import checked_loop, ideal_loop
 from furuta.margins import margins
 from furuta.outcomes import sensors_alone
 from furuta.passivity import observer_passivity
@@ -103,7 +103,7 @@ def linear_model(
     cases: dict[str, IdealLoop] = {}
     condition = None
     if nyquist or figure_4 or passivity:
-        ideal = ideal_loop_at(loop, {}, "lugre", given)
+        ideal = ideal_loop(loop, {}, "lugre", given)
         feedbacks = FIGURE_4 if figure_4 else {GIVEN: ideal.gains} if nyquist else {}
         cases = {case: ideal.with_gains(gains) for case, gains in feedbacks.items()}
         if passivity:
