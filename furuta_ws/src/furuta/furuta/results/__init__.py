@@ -41,3 +41,8 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return globals().setdefault(name, getattr(import_module(_MODULE_OF[name]), name))
+
+
+def __dir__() -> list[str]:
+    """The classes in use and those that nobody has used yet."""
+    return sorted({*globals(), *__all__})
