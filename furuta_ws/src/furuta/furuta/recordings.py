@@ -15,13 +15,11 @@ from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import (
     COLUMNS,
     COMMAND,
-    ESTIMATED,
-    FRICTION_ESTIMATE,
     MEASURED,
     TIME,
-    TRUE,
     by_name,
     known,
+    series_of,
 )
 from furuta_recordings.table_files import SUFFIXES, read_columns
 from furuta_ros import topics
@@ -131,17 +129,15 @@ def _bag_series(path: Path, names: Names) -> tuple[Series, list[str]]:
     if not of_graph or names != Names():
         return _recorded_series(read(path, names))
     recorded = read_recorded_loop(path)
-    columns = known(
-        {
-            TIME: recorded.time,
-            **by_name(MEASURED, recorded.measurement),
-            **by_name(ESTIMATED, recorded.estimate[:, :RIGID_STATES]),
-            FRICTION_ESTIMATE: recorded.at_measurements(topics.FRICTION_ESTIMATE.name),
-            COMMAND: recorded.at_measurements(topics.COMMAND.name),
-            **by_name(TRUE, recorded.truth),
-        }
+    columns = series_of(
+        recorded.time,
+        recorded.measurement,
+        recorded.estimate[:, :RIGID_STATES],
+        recorded.at_measurements(topics.FRICTION_ESTIMATE.name),
+        recorded.at_measurements(topics.COMMAND.name),
+        recorded.truth,
     )
-    return Series(columns), []
+    return Series(known(columns)), []
 
 
 def _recorded_series(recording: Recording) -> tuple[Series, list[str]]:

@@ -56,3 +56,25 @@ def by_name(names: Iterable[str], values: np.ndarray) -> Series:
 def known(series: Series) -> Series:
     """The columns that hold a number."""
     return {name: values for name, values in series.items() if np.any(np.isfinite(values))}
+
+
+def series_of(
+    time: np.ndarray,
+    measurement: np.ndarray,
+    estimate: np.ndarray,
+    friction_estimate: np.ndarray,
+    command: np.ndarray,
+    truth: np.ndarray,
+) -> Series:
+    """The columns of the signals of a loop, as a bag of the graph or a simulation has them.
+
+    ``measurement`` (n, 5), ``estimate`` (n, 4), ``truth`` (n, 5), all others (n,).
+    """
+    return {
+        TIME: time,
+        **by_name(MEASURED, measurement),
+        **by_name(ESTIMATED, estimate),
+        FRICTION_ESTIMATE: friction_estimate,
+        COMMAND: command,
+        **by_name(TRUE, truth),
+    }

@@ -18,6 +18,7 @@ from furuta.figures.figure import (
     style_time_series,
 )
 from furuta.quantities import QUANTITIES
+from furuta.results.text import angle
 from furuta.studies.phases import PHASES, TUNED, Phase
 from furuta_friction.compensation import TITLES
 from furuta_model.parameters import ParameterError
@@ -139,7 +140,7 @@ def _title(compensation: str, swing: float) -> str:
     """What a phase of the demo is called, its figure in the paper, and how far the arm swings."""
     title = (TITLES | OF_PHASES)[compensation]
     figure = f" ({PHASES[compensation]})" * bool(PHASES[compensation])
-    return f"{title}{figure}\n{swing:.3g} rad ({np.degrees(swing):.2g}°)"
+    return f"{title}{figure}\n{angle(swing)}"
 
 
 def _draw_row(axis: Any, label: str, time: np.ndarray, series: Mapping[str, np.ndarray]) -> None:

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from furuta.figures.figure import ARM, REFERENCE, annotate, axes_for, scale_sizes, style_axis
+from furuta.results.text import angle
 from furuta.studies.trials import TuningResult
 
 
@@ -19,7 +20,7 @@ def draw_tuning(result: TuningResult, axes: Any = None) -> Any:
         is_result, is_known = trial == result.after, np.isfinite(trial.swing)
         swing = trial.swing if is_known else low
         axis.barh(number, swing, color=ARM if is_result else REFERENCE, height=0.7)
-        size = f"{swing:.3g} rad ({np.degrees(swing):.2g}°)" if is_known else ""
+        size = angle(swing) if is_known else ""
         text = ", ".join(filter(None, (size, "result" if is_result else trial.remark)))
         annotate(axis, (swing, number), text, xytext=(7, 0), va="center")
     axis.axvline(result.encoder_count, color="0.3", ls="--", lw=1, label="one encoder count")

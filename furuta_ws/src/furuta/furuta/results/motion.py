@@ -16,16 +16,7 @@ from furuta.results.table import Series
 from furuta.results.text import angle
 from furuta_model.friction.lugre import highest_level
 from furuta_model.state import RIGID_STATES
-from furuta_recordings.series_columns import (
-    COMMAND,
-    ESTIMATED,
-    FRICTION_ESTIMATE,
-    MEASURED,
-    TIME,
-    TRUE,
-    by_name,
-    known,
-)
+from furuta_recordings.series_columns import MEASURED, known, series_of
 from furuta_recordings.table_files import write_npz
 from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Loop, Record
@@ -141,13 +132,13 @@ class Run(Found):
 
 def simulated_series(record: Record) -> Series:
     """The series of a simulation as columns."""
-    return Series(
-        {
-            TIME: record.time,
-            **known(by_name(MEASURED, record.measurement)),
-            **by_name(ESTIMATED, record.estimate[:, :RIGID_STATES]),
-            FRICTION_ESTIMATE: record.friction_estimate,
-            COMMAND: record.command,
-            **by_name(TRUE, np.column_stack([record.state, record.friction])),
-        }
+    columns = series_of(
+        record.time,
+        record.measurement,
+        record.estimate[:, :RIGID_STATES],
+        record.friction_estimate,
+        record.command,
+        np.column_stack([record.state, record.friction]),
     )
+    without_sensor = MEASURED.keys() - known(columns).keys()
+    return Series({name: each for name, each in columns.items() if name not in without_sensor})

@@ -52,7 +52,12 @@ class RigModel(Found):
         """What the model predicts of its own recordings."""
         return [self.found.predict(recording) for recording in self.found.recordings]
 
-    @property
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        """The values by name; their errors take long, with slopes in all unknowns."""
+        return plain(values_by_name(self.found))  # type: ignore[no-any-return]
+
+    @cached_property
     def verdict(self) -> Verdict:
         """Whether the model is usable, and why not."""
         return verdict_on(self.found, self.fitted)
@@ -62,7 +67,7 @@ class RigModel(Found):
 
         A value is None if the data do not determine it; ``undetermined`` has the reason.
         """
-        values = plain(values_by_name(self.found))
+        values = dict(self._values)
         findings = values.pop("findings") + findings_of([run.recording for run in self.held_out])
         if self.laws:
             values["friction_laws"] = [plain(law) for law in self.laws]
@@ -85,8 +90,7 @@ class RigModel(Found):
 
     def table(self, values: Mapping[str, Any]) -> str:
         """The values with their errors, fits, waves and laws as tables, then what was found."""
-        found = plain(values_by_name(self.found))
-        one_by_one = {**values, **found["lugre"], **found["setup"]}
+        one_by_one = {**values, **self._values["lugre"], **self._values["setup"]}
         kinds = {name: isinstance(each, float) for name, each in one_by_one.items()}
         beside = {name: values[name] for name in ("standard_errors", "units")}
         rest = {

@@ -10,14 +10,15 @@ from typing import Any
 
 # Characters of a line, of the name of a value, and between two columns.
 WIDTH, NAME, GAP = 80, 24, 2
-# Names whose values are lists of complex numbers, as real and imaginary part.
 # Characters of a line of a title, and the units in which names end.
 TITLE = 12
 UNITS = {"_rad_s": "rad/s", "_1_s": "1/s", "_rad": "rad", "_s": "s", "_v": "V"}
-_NUMBER = re.compile(r"[-+.\deE]+")
+# Names whose values are lists of complex numbers, as real and imaginary part.
+COMPLEX = ("poles", "zeros", "multipliers")
 # What stands beside the values of the same names.
 BESIDE = ("standard_errors", "units")
-COMPLEX = ("poles", "zeros", "multipliers")
+# A number that was given as text.
+_NUMBER = re.compile(r"[-+.\deE]+")
 
 
 def angle(radians: float) -> str:
@@ -66,7 +67,7 @@ def _wrapped(title: str, text: str) -> Iterator[str]:
 
 def _value(name: str, value: Any) -> str:
     if name.endswith(COMPLEX) and isinstance(value, list | tuple):
-        return ", ".join(f"{re:.4g}{im:+.4g}j" for re, im in value)
+        return ", ".join(f"{real:.4g}{imaginary:+.4g}j" for real, imaginary in value)
     if isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple):
         return ", ".join(f"[{rounded(row)}]" for row in value)
     degrees = isinstance(value, float) and name.endswith("_rad") and math.isfinite(value)

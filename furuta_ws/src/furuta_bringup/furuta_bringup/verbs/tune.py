@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
@@ -21,9 +20,6 @@ from furuta_bringup.options import (
 from furuta_bringup.printing import show, with_status
 from furuta_model.parameters import ParameterError
 from furuta_ros.whole_files import whole_file
-
-if TYPE_CHECKING:
-    pass
 
 DEFAULT = TuningPlan()
 GUARD = FiniteRange(0, min_open=True)
