@@ -33,12 +33,13 @@ APT = {
         "python3-mypy",
     ),
     *("python3-numba", "python3-numpy", "python3-pytest", "python3-pytest-timeout", "python3-rich"),
-    *("python3-scipy", "python3-serial", "python3-types-pyyaml", "python3-yaml"),
+    *("python3-scipy", "python3-serial", "python3-types-pyyaml", "python3-websockets"),
+    "python3-yaml",
 }
 ROS = {
     *("ament_index_python", "diagnostic_msgs", "launch", "launch_ros", "lifecycle_msgs", "rclpy"),
     *("rcl_interfaces", "ros2launch", "rosgraph_msgs", "sensor_msgs", "std_msgs", "std_srvs"),
-    *("robot_state_publisher", "rviz2", "urdfdom_py", "xacro"),
+    *("robot_state_publisher", "urdfdom_py", "xacro"),
 }
 # pip refuses these there (PEP 668) unless PIP_BREAK_SYSTEM_PACKAGES is set.
 PIP = {
@@ -51,7 +52,7 @@ PIP = {
 # rosdep has no key for these: setup.cfg declares them as extras.
 WITHOUT_KEY = {
     *("axe_playwright_python", "distributed", "flint", "gymnasium", "playwright", "pyarrow"),
-    *("unicorn", "websockets", "ziglang"),
+    *("unicorn", "ziglang"),
 }
 
 # The key of each import that has another name.
@@ -124,8 +125,8 @@ def test_imports_are_declared(package: str) -> None:
     names = imported([*modules(package), *(SOURCES / package / "launch").glob("*.py")]) - {package}
     if package == "furuta_bringup":  # its launch file starts executables of other packages
         names |= {"ros2launch", *(node.package for node in NODES.values())}
-    if package == "furuta_description":  # its launch file starts these
-        names |= {"robot_state_publisher", "rviz2"}
+    if package == "furuta_description":  # its launch file starts it, and RViz, which is large
+        names |= {"robot_state_publisher"}
     optional = [each for name, group in extras(package).items() if name != "test" for each in group]
     assert_declared(names, keys(package, "depend", "exec_depend"), optional)
 

@@ -4,6 +4,7 @@ import importlib
 import logging
 import sys
 from importlib.metadata import packages_distributions, version
+from importlib.util import find_spec
 from typing import Any
 
 import click
@@ -54,6 +55,8 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     of_ros = (
         name == "rclpy" or name.startswith(("rcl_", "ament_")) or name.endswith(("_msgs", "_srvs"))
     )
+    if not of_ros and error.name != name and find_spec(name):
+        return UserError(f"furuta {verb} needs a newer {name}: pip install --upgrade {name}")
     ros = "ROS 2 Jazzy, or on Linux x86-64 pip install '.[ros]' in a clone of the repository"
     return UserError(missing(name, f"furuta {verb}", ros if of_ros else ""))
 

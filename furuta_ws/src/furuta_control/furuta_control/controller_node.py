@@ -73,6 +73,12 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self.subscribe_to(FRICTION_ESTIMATE, self.on_friction)
         self.create_subscription(ARMED.message, ARMED.name, self._on_armed, LATCHED)
 
+    def statistics(self) -> dict[str, object]:
+        """Also the mode, and the states that had no estimate in time."""
+        mode_now = ACTIVE_MODES[self._active_mode]
+        counts = {"mode": mode_now, "estimates missed": self.missed_estimates}
+        return counts | super().statistics()
+
     def _design(self, parameters: ControllerParameters) -> None:
         """Redesign the controller; its memory is kept."""
         self._controller = block(design_controller(parameters))

@@ -31,6 +31,7 @@ from furuta_ros.wire import NO_SIGNALS, Signals, joint_state_bytes, unpack_joint
 TOLERANCE = 0.01
 # Number of deviating intervals in a row that causes a warning.
 WARN_AFTER = 100
+LOST_STATE = "no estimate: the sensors cannot see the state"
 
 
 class EstimatorNode(FurutaNode[EstimatorParameters]):
@@ -53,6 +54,14 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         self.design_by(self._design)
         self._publisher = LoopPublisher(self, JOINT_STATES)
         self.subscribe_to(MEASUREMENT, self.on_measurement)
+
+    def problem(self) -> str:
+        """Whether the estimate is lost."""
+        return LOST_STATE if self._lost else ""
+
+    def statistics(self) -> dict[str, object]:
+        """Also the measurements of which readings were replaced."""
+        return super().statistics() | {"unusable readings": self.unusable_readings}
 
     def _design(self, parameters: EstimatorParameters) -> None:
         """Redesign the estimator; its memory is kept."""
@@ -82,7 +91,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         if self._deviating_intervals == WARN_AFTER:
             self.get_logger().warning(
                 f"measurements arrive every {interval / NANOSECONDS:g} s, but sample_time is "
-                f"{self.parameters.sample_time:g} s"
+                f"{self.parameters.sample_time:g} s; a busy computer leaves some out"
             )
         return skipped_samples(interval, self._sample_time) if deviates else 0
 
@@ -92,8 +101,7 @@ class EstimatorNode(FurutaNode[EstimatorParameters]):
         given = f"position {[phi, theta]}, velocity {[phi_dot, theta_dot]}, effort {torque}"
         lost = bool(unusable & LOST)
         if lost and not self._lost:
-            text = f"no estimate: the sensors cannot see the state; {given}"
-            self._told = self.warn("lost", text, RARELY)
+            self._told = self.warn("lost", f"{LOST_STATE}; {given}", RARELY)
         elif self._lost and not lost:
             if self._told:
                 self.get_logger().info(f"estimating again from {given}")

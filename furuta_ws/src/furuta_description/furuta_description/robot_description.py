@@ -3,9 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-import xacro
-
 from furuta_hw.rigs.known_rigs import find_rig
+from furuta_model.optional import needed_by
 from furuta_ros.installed_files import share_directory
 from furuta_ros.one_graph import full_namespace
 
@@ -19,7 +18,14 @@ def share(folder: str, name: str) -> Path:
 
 
 def robot_description(arm_length: float, pendulum_length: float) -> str:
-    """The URDF of a pendulum with these lengths [m]."""
+    """The URDF of a pendulum with these lengths [m].
+
+    Raises:
+        ModuleNotFoundError: xacro is not installed.
+    """
+    with needed_by("the view in RViz"):
+        import xacro  # noqa: PLC0415 - a graph without a view does not need it
+
     given = {"arm_length": f"{arm_length:.6g}", "pendulum_length": f"{pendulum_length:.6g}"}
     document = xacro.process_file(str(share("urdf", "furuta.urdf.xacro")), mappings=given)
     return str(document.toxml())

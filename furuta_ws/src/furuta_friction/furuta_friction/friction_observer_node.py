@@ -10,6 +10,7 @@ from rclpy.parameter import Parameter
 
 from furuta_friction import compensation, joint_observer
 from furuta_friction.compensation import CompensationMemory
+from furuta_friction.compensators.recommended import LARGEST_LEVEL
 from furuta_friction.joint_observer import (
     ARM,
     NO_SAMPLE,
@@ -21,10 +22,10 @@ from furuta_friction.joint_observer import (
 from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
+from furuta_model.parameters import shortened
 from furuta_model.state import LARGEST_VALUE, is_possible
-from furuta_ros.messages import RefusedError, joint_numbers, typed_joint_state
+from furuta_ros.messages import RefusedError, deserialized, joint_numbers, typed_joint_state
 from furuta_ros.node import BEST_EFFORT, FurutaNode, LoopPublisher
-from furuta_ros.reduction_status import ReductionStatus, vibration_reason
 from furuta_ros.spinning import run_node
 from furuta_ros.time_stamps import NANOSECONDS, NEVER, starts_anew
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
@@ -54,6 +55,8 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
         super().__init__("friction_observer", ObserverNodeParameters, overrides)
         self._stamp, self._friction = NEVER, 0.0
         self._states, self._checked = 0, NEVER
+        self._without_joint = b""  # the newest message that does not name the joint
+        self._problems: list[str] = []  # at the last check
         self._reference, self._reference_age = nan, 0
         self._publisher = LoopPublisher(self, FRICTION_ESTIMATE)
         self._is_arm = self.parameters.joint == ARM
@@ -70,7 +73,6 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
                     f"axis.inertia of joint {self.parameters.joint} is 0: the measured speed is "
                     "used, and no friction is observed"
                 )
-        self._reduction = ReductionStatus(self, self._reduction_reason)
         self.steady_timer(CHECK_PERIOD, self._check)
 
     def _design(self, p: ObserverNodeParameters) -> None:
@@ -90,7 +92,10 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
 
     def on_joint(self, data: bytes) -> None:
         """Estimate the friction of the joint and publish it; other joints are ignored."""
-        if found := joint_numbers(data, self.parameters.joint):
+        found = joint_numbers(data, self.parameters.joint)
+        if found is None:
+            self._without_joint = data
+        else:
             stamp, (position, speed, effort) = found
             if isnan(position):
                 raise RefusedError(f"no position of joint {self.parameters.joint}")
@@ -111,11 +116,17 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
     def _answer(self, stamp: int, x: Signals | JointSample) -> None:
         if stamp != self._stamp:
             friction, is_reduced = self._step(self._memory, x, self._observer, self._samples(stamp))
-            if isnan(friction):
+            if isnan(friction) and not is_possible(np.array(x)):
                 raise RefusedError(f"no value may be larger than {LARGEST_VALUE:g}, given {x}")
+            if not abs(friction) <= LARGEST_VALUE:
+                name = self.parameters.observer.compensation
+                raise RefusedError(
+                    f"compensation {name} gives {friction:g} for it, must be finite and at most "
+                    f"{LARGEST_VALUE:g}"
+                )
             self._x, self._stamp, self._friction = x, stamp, friction
-            if is_reduced:
-                self._reduction.report()
+            if is_reduced and self.warn("reduction", self._reduction()):
+                self.publish_status()
         self._publisher.publish(value_bytes(self._friction), stamp)
 
     def _samples(self, stamp: int) -> int:
@@ -132,36 +143,77 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
             return isnan(torque) and not isnan(sum(x))
         return isnan(self._x[2]) or not self.parameters.axis.inertia
 
-    def _reduction_reason(self) -> str:
-        memory = self._memory if self._is_arm else self._memory["compensation"]
-        part = float(memory["observation"]["vibration"]["part"][0])
-        return vibration_reason("the observed friction", part)
+    @property
+    def _of_compensation(self) -> np.ndarray:
+        """Its part of the memory."""
+        return self._memory if self._is_arm else self._memory["compensation"]
+
+    def _reduction(self) -> str:
+        """Why only a part of the observed friction acts; empty if all of it does."""
+        part = float(self._of_compensation["observation"]["vibration"]["part"][0])
+        if part >= 1.0:
+            return ""
+        return (
+            "a sustained vibration above 15 Hz has reduced the observed friction to "
+            f"{part:.0%}; it recovers by itself. Motor and arm may be coupled elastically, or a "
+            "delay is too long"
+        )
+
+    def problem(self) -> str:
+        """Why the compensation cannot do what is asked of it."""
+        return self._reduction() or "; ".join(self._problems)
 
     def _check(self) -> None:
         """Warn if the compensation cannot do what is asked of it."""
-        chosen, log = self.parameters.observer.chosen, self.get_logger()
-        if chosen.needs_observed_friction and self._is_blind():
-            needs = ARM_NEEDS if self._is_arm else JOINT_NEEDS
-            log.warning(f"compensation {chosen.name} needs {needs}")
-        memory = self._memory if self._is_arm else self._memory["compensation"]
-        if compensation.beyond_adaptation(memory, self.parameters.observer):
-            log.warning(
+        found = (self._missing_input(), self._limit(), self._missing_joint(), self._wrong_rate())
+        self._problems = [problem for problem in found if problem]
+        for problem in self._problems:
+            self.get_logger().warning(problem)
+
+    def _missing_input(self) -> str:
+        chosen = self.parameters.observer.chosen
+        if not (chosen.needs_observed_friction and self._is_blind()):
+            return ""
+        return f"compensation {chosen.name} needs {ARM_NEEDS if self._is_arm else JOINT_NEEDS}"
+
+    def _limit(self) -> str:
+        p = self.parameters.observer
+        if compensation.beyond_adaptation(self._of_compensation, p):
+            return (
                 "compensation adaptive: a level is at its limit, a third or three times what "
                 "alpha0 and alpha1 say; the friction is not as the parameters describe it"
             )
-        self._check_rate()
+        if p.compensation != "recommended":
+            return ""
+        if p.friction.alpha0 + p.friction.alpha1 == 0.0:
+            return "compensation recommended: alpha0 and alpha1 are 0, so it only observes friction"
+        if self._of_compensation["recommended"]["level"][0] >= LARGEST_LEVEL:
+            return (
+                f"compensation recommended: its level is at its limit, {LARGEST_LEVEL:g} times "
+                "alpha0 and alpha1; the friction is larger than that"
+            )
+        return ""
 
-    def _check_rate(self) -> None:
-        """Warn if the states of a joint do not come every sample time."""
+    def _missing_joint(self) -> str:
+        """Whether messages came since the last check, and none of them names the joint."""
+        data, self._without_joint = self._without_joint, b""
+        if self._states or not data:
+            return ""
+        names = shortened(list(deserialized(data, JOINT_STATES.message).name))
+        return f"no message on joint_states has the joint {self.parameters.joint}; one has {names}"
+
+    def _wrong_rate(self) -> str:
+        """Whether the states of a joint do not come every sample time."""
         states, before = self._states, self._checked
         self._states, self._checked = 0, self._stamp
         given = self.parameters.observer.sample_time
         mean = (self._stamp - before) / NANOSECONDS / max(states, 1)
-        if states > 1 and before != NEVER and abs(mean / given - 1.0) > WRONG_RATE:
-            self.get_logger().warning(
-                f"joint {self.parameters.joint} comes every {mean:.3g} s, but sample_time is "
-                f"{given:g} s: set it to that"
-            )
+        if states <= 1 or before == NEVER or abs(mean / given - 1.0) <= WRONG_RATE:
+            return ""
+        return (
+            f"joint {self.parameters.joint} comes every {mean:.3g} s, but sample_time is "
+            f"{given:g} s: set it to that"
+        )
 
 
 @compiled

@@ -4,6 +4,8 @@ import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from furuta_ros.errors import described
+
 
 class RigError(RuntimeError):
     """A driver cannot be loaded, or an experiment on the rig cannot go on."""
@@ -26,3 +28,14 @@ def line_errors(what: str = "the line failed", remedy: Callable[[], str] = str) 
         number = getattr(error, "errno", None)
         reason = os.strerror(number) if number else error
         raise LineError(f"{what}: {reason}{remedy()}") from None
+
+
+@contextmanager
+def driver_errors() -> Iterator[None]:
+    """Turn an exception that nobody expects of a driver into :class:`LineError`, with its place."""
+    try:
+        yield
+    except RigError:
+        raise
+    except Exception as error:
+        raise LineError(f"the line to the rig: {described(error)}") from None

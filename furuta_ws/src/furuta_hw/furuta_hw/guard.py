@@ -24,7 +24,7 @@ class Guard:
         self._largest_step = limits.slew_rate * sample_time
         self.armed = False
         self.reason = "not armed yet"
-        self.stops = 0
+        self.stops, self.is_stopped = 0, False  # stops since the start; none has been armed since
         self.voltage = 0.0
         self._measured_at = self._armed_at = -inf
         # Time of the first measurement that no command, or no friction estimate, has followed yet.
@@ -90,17 +90,22 @@ class Guard:
         reason = self._problem(now)
         if reason:
             return reason
-        self.armed, self.reason = True, ""
+        self.armed, self.is_stopped, self.reason = True, False, ""
         self._rig_was_armed, self._armed_at = False, now
         self.voltage = 0.0
         return ""
 
-    def stop(self, reason: str) -> None:
-        """Disarm. Only the first reason is kept."""
+    def disarm(self, reason: str) -> None:
+        """Disarm, as somebody wishes. Only the first reason is kept."""
         self.voltage = 0.0
         if self.armed:
             self.armed, self.reason = False, reason
-            self.stops += 1
+
+    def stop(self, reason: str) -> None:
+        """Disarm because of a problem; this is counted."""
+        if self.armed:
+            self.stops, self.is_stopped = self.stops + 1, True
+        self.disarm(reason)
 
     def check(self, now: float) -> None:
         """Stop if there is a problem; to be called at least every few milliseconds."""

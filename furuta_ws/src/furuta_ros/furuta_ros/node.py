@@ -1,15 +1,15 @@
-"""What is ROS in a node of the graph: parameters, subscriptions, publishers, warnings.
+"""What is ROS in a node of the graph: parameters, subscriptions, publishers, warnings, status.
 
 The loop needs every sample, so its topics are reliable. With a depth of a few samples a slow
 subscriber gets the newest ones and does not block the publisher.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import wraps
 from time import monotonic, time_ns
-from traceback import extract_tb
 from typing import Any, Generic, NamedTuple, TypeVar
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -20,12 +20,12 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from furuta_model.compiled import load_machinery
-from furuta_ros.errors import UserError, first_line
+from furuta_ros.errors import UserError, described, first_line
 from furuta_ros.messages import RefusedError
 from furuta_ros.middleware import clock_advice
 from furuta_ros.parameters import FurutaParameterService, NodeParameters
 from furuta_ros.time_stamps import NANOSECONDS
-from furuta_ros.topics import CLOCK, Topic
+from furuta_ros.topics import ARMED, CLOCK, DIAGNOSTICS, Topic
 
 Group = TypeVar("Group", bound=NamedTuple)
 
@@ -34,9 +34,9 @@ QOS = QoSProfile(
     reliability=QoSReliabilityPolicy.RELIABLE,
     durability=QoSDurabilityPolicy.VOLATILE,
 )
-# A late subscriber gets the last messages.
+# A late subscriber gets the last message, and none before it.
 LATCHED = QoSProfile(
-    depth=QOS.depth,
+    depth=1,
     reliability=QoSReliabilityPolicy.RELIABLE,
     durability=QoSDurabilityPolicy.TRANSIENT_LOCAL,
 )
@@ -47,8 +47,8 @@ BEST_EFFORT = QoSProfile(depth=10, reliability=QoSReliabilityPolicy.BEST_EFFORT)
 COPY_PERIOD = NANOSECONDS // 100
 # Shortest time between two warnings of one kind [s], and of what causes them again and again.
 WARNING_PERIOD, RARELY = 1.0, 10.0
-# Time between two checks for second publishers [s].
-CHECK_PERIOD = 1.0
+# Time between two statuses on /diagnostics, and two checks for second publishers [s].
+STATUS_PERIOD = 1.0
 # Age beyond which a message is ignored in real time [s]: a process that stood still would answer
 # the messages of that time by where the rig was.
 MAX_AGE = 0.05
@@ -58,6 +58,11 @@ _OLDEST = round(MAX_AGE * NANOSECONDS)
 def deep(depth: int) -> QoSProfile:
     """The loop's quality of service with a queue of ``depth`` messages, for a slow subscriber."""
     return QoSProfile(depth=depth, reliability=QOS.reliability, durability=QOS.durability)
+
+
+def beside(node: Node, name: str) -> str:
+    """The full name of a node in the namespace of another one."""
+    return f"{node.get_namespace().rstrip('/')}/{name}"
 
 
 def sender(publisher: Publisher) -> Callable[[bytes], None]:
@@ -98,7 +103,9 @@ class LoopPublisher:
 
 
 class FurutaNode(Node, Generic[Group]):
-    """A node with a declared group of parameters, and subscriptions that survive any message.
+    """A node with a declared group of parameters, and callbacks that survive any message.
+
+    It publishes its status on ``/diagnostics``, under its full name.
 
     Attributes:
         refused: Number of invalid messages; ``expired``: of those that were too old.
@@ -120,12 +127,14 @@ class FurutaNode(Node, Generic[Group]):
             )
         except RuntimeError as error:  # of ROS below Python, such as missing security libraries
             raise UserError(f"cannot make the node {name}: {first_line(error)}") from None
+        self.guard_services(self.services)
         self.refused = self.expired = self.sent = 0
         self._inputs: list[Topic] = []
         self._warned_at: dict[str, float] = {}
         self._declared = NodeParameters(self, group)
         self.parameter_service = FurutaParameterService(self)
-        self.steady_timer(CHECK_PERIOD, self._check_publishers)
+        self._diagnostics = self.create_publisher(DIAGNOSTICS.message, DIAGNOSTICS.name, 10)
+        self.steady_timer(STATUS_PERIOD, self.publish_status)
 
     @property
     def parameters(self) -> Group:
@@ -144,6 +153,32 @@ class FurutaNode(Node, Generic[Group]):
     def summary(self) -> str:
         """What its process prints when it ends, in lines; empty by default."""
         return ""
+
+    def problem(self) -> str:
+        """Why the node does less than it is asked for; empty if it does all of it."""
+        return ""
+
+    def statistics(self) -> dict[str, object]:
+        """Numbers for ``/diagnostics``."""
+        return {"messages refused": self.refused, "messages too old": self.expired}
+
+    def status(self) -> DiagnosticStatus:
+        """WARN with the reason if it has a problem, or one of its inputs has two publishers."""
+        if several := self.second_publishers(self._inputs):
+            self.warn("publishers", several, RARELY)
+        reason = several or self.problem()
+        level = DiagnosticStatus.WARN if reason else DiagnosticStatus.OK
+        return DiagnosticStatus(level=level, message=reason or "running")
+
+    def publish_status(self) -> None:
+        """Publish the status now; a timer does so once a second."""
+        status = self.status()
+        status.name = self.get_fully_qualified_name()
+        pairs = self.statistics().items()
+        status.values = [KeyValue(key=key, value=str(value)) for key, value in pairs]
+        message = DiagnosticArray(status=[status])
+        message.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(message)
 
     def subscribe_to(
         self, topic: Topic, receive: Callable[[bytes], None], qos: QoSProfile = QOS
@@ -170,7 +205,7 @@ class FurutaNode(Node, Generic[Group]):
                 self.refused += 1
                 self.warn(f"refused {topic.name}", f"refused a message on {topic.name}: {refusal}")
             except Exception as error:
-                self._report_failure(topic.name, error)
+                self.report_failure(topic.name, error)
 
         super().create_subscription(topic.message, topic.name, checked, qos, raw=True)
 
@@ -181,11 +216,11 @@ class FurutaNode(Node, Generic[Group]):
             if self.count_publishers(name) > 1:
                 ends = self.get_publishers_info_by_topic(name)
                 nodes = sorted(f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in ends)
-                killed = "" if len(set(nodes)) == len(nodes) else KILLED
-                return f"{len(nodes)} nodes publish {topic.name}: {' and '.join(nodes)}{killed}"
+                twice = "" if len(set(nodes)) == len(nodes) else TWICE
+                return f"{len(nodes)} nodes publish {topic.name}: {' and '.join(nodes)}{twice}"
         return ""
 
-    # All other callbacks come through one of these three, also those of rclpy itself.
+    # All other callbacks come through one of these four, also those of rclpy itself.
 
     def create_subscription(
         self, msg_type: Any, topic: str, callback: Any, *others: Any, **named: Any
@@ -208,6 +243,17 @@ class FurutaNode(Node, Generic[Group]):
         callback = self.guarded("a timer", callback)
         return super().create_timer(timer_period_sec, callback, *others, **named)
 
+    def run_soon(self, call: Callable[[], object]) -> bool:
+        """Let the thread that spins the node call a function; False if none does.
+
+        Any thread may call this. The events executor knows no guard conditions, so it is a task; an
+        exception in it would end the executor.
+        """
+        executor = self.executor
+        if executor is not None:
+            executor.create_task(self.guarded("a task", call))
+        return executor is not None
+
     def guarded(self, source: str, callback: Callable[..., Any]) -> Callable[..., Any]:
         """The callback, but an exception is logged with its line instead of ending the node."""
 
@@ -216,19 +262,24 @@ class FurutaNode(Node, Generic[Group]):
             try:
                 return callback(*given)
             except Exception as error:
-                self._report_failure(source, error)
+                self.report_failure(source, error)
                 return given[-1] if given else None  # the response of a service
 
         return call
+
+    def guard_services(self, services: Iterable[Service]) -> None:
+        """Guard services that rclpy has made by itself."""
+        for service in services:
+            service.callback = self.guarded(service.srv_name, service.callback)
 
     def steady_timer(self, period: float, call: Callable[[], object]) -> Timer:
         """Call a function every ``period`` [s], whatever happens to the system's time."""
         return self.create_timer(period, call, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def warn(
-        self, kind: str, text: str, period: float = WARNING_PERIOD, severity: str = "warning"
+        self, kind: str, text: str, period: float = WARNING_PERIOD, is_error: bool = False
     ) -> bool:
-        """Log a warning, but only one of its kind in ``period`` [s]; whether it was logged.
+        """Log a warning or an error, but only one of its kind in ``period`` [s]; whether it was logged.
 
         The logger's own throttle looks up its caller's source each time: 1 ms that a late loop does
         not have.
@@ -237,12 +288,22 @@ class FurutaNode(Node, Generic[Group]):
         due = kind not in self._warned_at or now - self._warned_at[kind] >= period
         if due:
             self._warned_at[kind] = now
-            getattr(self.get_logger(), severity)(text)
+            # Two calls: rclpy raises an exception where one place logs at two levels.
+            if is_error:
+                self.get_logger().error(text)
+            else:
+                self.get_logger().warning(text)
         return due
 
     def time_is_simulated(self) -> bool:
-        """Whether the plant of this graph publishes simulated time: it waits for each answer."""
-        return self.count_publishers(self.resolve_topic_name(CLOCK.name)) > 0
+        """Whether the plant of this graph publishes simulated time: it waits for each answer.
+
+        A rig does not, whoever publishes a time.
+        """
+        simulated, rig = (
+            self.count_publishers(self.resolve_topic_name(topic.name)) for topic in (CLOCK, ARMED)
+        )
+        return simulated > 0 and rig == 0
 
     def _ignore(self, topic: Topic) -> None:
         self.expired += 1
@@ -253,19 +314,15 @@ class FurutaNode(Node, Generic[Group]):
             f"{MAX_AGE:g} s ({self.expired} so far){clock_advice()}",
         )
 
-    def _check_publishers(self) -> None:
-        if several := self.second_publishers(self._inputs):
-            self.warn("publishers", several, RARELY)
-
-    def _report_failure(self, source: str, error: Exception) -> None:
-        *_, (file, line, name, _) = extract_tb(error.__traceback__)
-        reason = f"{type(error).__name__}: {error}"
-        text = f"{source}: {name} failed ({file}, line {line}): {reason}"
-        self.warn(f"failed {source}", text, severity="error")
+    def report_failure(self, source: str, error: Exception) -> str:
+        """Log an exception that nobody expects, in one line, which is returned."""
+        text = f"{source}: {described(error)}"
+        self.warn(f"failed {source}", text, is_error=True)
+        return text
 
 
 # Two publishers of the same node's name.
-KILLED = " (a killed node stays listed for up to 20 s)"
+TWICE = " (it runs twice, or one was killed: that one stays listed for up to 20 s)"
 
 
 def _data_and_info(data: bytes, info: dict[str, Any]) -> None:

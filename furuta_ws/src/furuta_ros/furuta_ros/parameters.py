@@ -43,7 +43,7 @@ _TYPES = {
     str: Parameter.Type.STRING,
     list: Parameter.Type.DOUBLE_ARRAY,
 }
-# Changes per second that a process makes in the long run, and at once.
+# Requests per second that a process fulfils in the long run, and at once.
 RATE, BURST = 50.0, 20.0
 
 
@@ -106,6 +106,7 @@ class NodeParameters(Generic[Group]):
                 declaration.name, declaration.default, _descriptor(declaration)
             )
         except InvalidParameterTypeException as error:
+            declaration.checked(self._node._parameter_overrides[declaration.name].value)
             raise ParameterError(str(error)) from None
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -176,14 +177,14 @@ def _descriptor(declaration: Declared) -> ParameterDescriptor:
 
 
 class Allowance:
-    """Permits ``RATE`` changes per second, and ``BURST`` at once."""
+    """Permits ``RATE`` requests per second, and ``BURST`` at once."""
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
         self._clock = clock
         self._left, self._at = BURST, clock()
 
     def take(self) -> bool:
-        """Whether one more change is permitted now."""
+        """Whether one more request is permitted now."""
         now = self._clock()
         self._left = min(BURST, self._left + RATE * (now - self._at))
         self._at = now
@@ -198,9 +199,10 @@ _allowance = Allowance()
 
 
 class FurutaParameterService(ParameterService):
-    """Refuses changes beyond a rate, and those that ROS cannot read, with a reason.
+    """Refuses requests beyond a rate, and changes that ROS cannot read, with a reason.
 
-    Without ``limited`` it accepts any number, for a node that may be late.
+    Without ``limited`` it accepts any number, for a node that may be late. A read-only parameter
+    may be set to the value that it has, so that all that was saved can be loaded.
     """
 
     def __init__(self, node: Node) -> None:
@@ -210,29 +212,46 @@ class FurutaParameterService(ParameterService):
     def _set_parameters_callback(
         self, request: SetParameters.Request, response: SetParameters.Response
     ) -> SetParameters.Response:
-        """Set each parameter by itself; all at once if they are valid, which costs one change."""
-        together = self._change(request.parameters)
-        separate = not together.successful and len(request.parameters) > 1
+        """Set all at once, or each by itself if that is refused."""
+        messages = request.parameters
+        result = self._refusal() or self._change(messages)
+        # As many changes as the node has parameters take a moment, but no more than these.
+        is_separate = not result.successful and 1 < len(messages) <= len(self._get_node()._parameters)
         response.results = [
-            self._change([parameter]) if separate else together for parameter in request.parameters
+            self._change([message]) if is_separate else result for message in messages
         ]
         return response
 
     def _set_parameters_atomically_callback(
         self, request: SetParametersAtomically.Request, response: SetParametersAtomically.Response
     ) -> SetParametersAtomically.Response:
-        response.result = self._change(request.parameters)
+        response.result = self._refusal() or self._change(request.parameters)
         return response
+
+    def _refusal(self) -> SetParametersResult | None:
+        """The answer to a request beyond the rate; None if it is permitted."""
+        if not self.limited or _allowance.take():
+            return None
+        return _refused(f"more than {RATE:g} requests to set parameters per second; try again")
 
     def _change(self, messages: Sequence[ParameterMessage]) -> SetParametersResult:
         """Set all of the parameters or none."""
-        if self.limited and not _allowance.take():
-            return _refused(f"more than {RATE:g} changes of parameters per second; try again")
+        node = self._get_node()
         try:
             given = [Parameter.from_parameter_msg(message) for message in messages]
-            return self._get_node().set_parameters_atomically(given)
+            changes = [each for each in given if not _is_kept(node, each)]
+            if given and not changes:
+                return SetParametersResult(successful=True)
+            return node.set_parameters_atomically(changes)
         except (ParameterException, ValueError) as error:
             return _refused(str(error))
+
+
+def _is_kept(node: Node, given: Parameter) -> bool:
+    """Whether a parameter is read-only and has this value."""
+    if not node.has_parameter(given.name) or not node.describe_parameter(given.name).read_only:
+        return False
+    return bool(node.get_parameter(given.name).value == given.value)
 
 
 def _refused(reason: str) -> SetParametersResult:

@@ -13,6 +13,8 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from types import FrameType
 
+from furuta_ros.errors import UserError
+
 # Exit status of a process that Ctrl-C has ended: 128 + SIGINT.
 INTERRUPTED = 128 + signal.SIGINT
 
@@ -36,7 +38,11 @@ def run_entry(entry: str) -> None:
     exit_on_interrupt()
     end_with_parent()
     module, _, function = entry.partition(":")
-    getattr(import_module(module), function)()
+    try:
+        run = getattr(import_module(module), function)
+    except UserError as error:  # ROS is too old
+        sys.exit(f"error: {error}")
+    run()
 
 
 def exit_on_interrupt() -> None:

@@ -13,7 +13,6 @@ import rclpy
 import rclpy.logging
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
-from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
@@ -28,6 +27,14 @@ from furuta_ros.middleware import (
 from furuta_ros.node import FurutaNode
 from furuta_ros.one_graph import claim
 from furuta_ros.process import ROS_ARGUMENTS, StopSignal, bounded_end, own_arguments
+
+try:
+    from rclpy.experimental import EventsExecutor
+except ModuleNotFoundError:
+    raise UserError(
+        "this needs rclpy 7.1.4 of April 2025 or newer, and ROS 2 here has an older one; to "
+        "upgrade it: sudo apt update && sudo apt upgrade"
+    ) from None
 
 # Longest time that the executor spins before a condition is checked again [s]. Its own endless
 # spin() delivers nothing in some builds.
@@ -129,7 +136,11 @@ def run_node(make: Callable[[], FurutaNode[Any]]) -> int:
     given = own_arguments(sys.argv[1:])
     if given:
         program, shown = Path(sys.argv[0]).name, shortened(" ".join(given))
-        return fail(f"{program} takes only ROS arguments, after --ros-args; given {shown}", 2)
+        return fail(
+            f"{program} takes only ROS arguments, after --ros-args; given {shown}; its parameters: "
+            f"furuta param defaults {program}",
+            2,
+        )
     try:
         with ros_context(None):
             return _spin_node(make, stop)

@@ -54,6 +54,7 @@ class Bench:
         self.probe = Node("probe")
         self.clock = self.probe.create_publisher(CLOCK.message, CLOCK.name, QOS)
         self.received: dict[str, list[Any]] = {topic.name: [] for topic in TOPICS}
+        self._collected: set[Topic] = set()
         self._marks: list[Empty] = []
         self._mark = self.probe.create_publisher(Empty, "~/mark", QOS)
         self.probe.create_subscription(Empty, "~/mark", self._marks.append, QOS)
@@ -67,18 +68,25 @@ class Bench:
         self.close()
 
     def add(self, node: AnyNode) -> AnyNode:
-        """Put a node on the bench, before anything spins."""
+        """Put a node on the bench."""
         self._nodes.append(node)
+        if self._executor is not None:
+            self._executor.add_node(node)
         return node
 
     def node(self, name: str) -> Any:
-        """The node of this name."""
-        return next(node for node in self._nodes if node.get_name() == name)
+        """The node of this name. Raises LookupError if there is none."""
+        by_name = {node.get_name(): node for node in self._nodes}
+        if name not in by_name:
+            raise LookupError(f"no node {name} on the bench; it has {', '.join(by_name)}")
+        return by_name[name]
 
     def collect(self, topic: Topic) -> list[Any]:
-        """The messages on a topic, a list that grows."""
+        """The messages on a topic, a list that grows; the same one at each call."""
         received = self.received.setdefault(topic.name, [])
-        self.probe.create_subscription(topic.message, topic.name, received.append, deep(QUEUE))
+        if topic not in self._collected:
+            self._collected.add(topic)
+            self.probe.create_subscription(topic.message, topic.name, received.append, deep(QUEUE))
         return received
 
     def publisher(self, topic: Topic) -> Publisher:
@@ -95,7 +103,7 @@ class Bench:
 
     @property
     def executor(self) -> Executor:
-        """The executor of all nodes; none is added after its first use."""
+        """The executor of all nodes."""
         if self._executor is None:
             self._executor = executor_of(self._nodes)
         return self._executor
@@ -118,11 +126,14 @@ class Bench:
         The probe then has every message up to this time. A later call continues from there.
 
         Raises:
+            ValueError: The plant refuses the time.
             TimeoutError: The plant does not get there; its log says which node is missing.
         """
         wait_until_matched(self._nodes)
         plant = self.node("plant")
-        plant.set_parameters([Parameter("run_until", value=float(seconds))])
+        (result,) = plant.set_parameters([Parameter("run_until", value=float(seconds))])
+        if not result.successful:
+            raise ValueError(result.reason)
         self.spin(lambda: plant.paused, timeout)
         self._catch_up()
 

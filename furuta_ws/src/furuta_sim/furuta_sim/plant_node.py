@@ -36,6 +36,11 @@ class PlantNode(SimulatedPlant):
             lines += self.pacing.summary()
         return "\n".join(lines)
 
+    def statistics(self) -> dict[str, object]:
+        """Also the counts of real time."""
+        timing = self.pacing.timing_counts if isinstance(self.pacing, RealTime) else None
+        return super().statistics() | (timing._asdict() if timing else {})
+
     def on_command(self, data: bytes) -> None:
         """Take a command [V]."""
         command = read_value(data)

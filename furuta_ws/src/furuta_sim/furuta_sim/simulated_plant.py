@@ -56,6 +56,7 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         self.sample = self.start = 0
         self.period = round(self._rig.sample_time * NANOSECONDS)
         self.held, self._is_resetting = True, False
+        self._is_measured = False  # whether the current sample has been published
         self._memory, self._noise = initial_plant(self._rig), Noise(self._rig.seed)
         self._torque, self._message = 0.0, b""
         self._send = sender(self.create_publisher(MEASUREMENT.message, MEASUREMENT.name, QOS))
@@ -96,11 +97,17 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         """Whether ``run_until`` is reached."""
         return self.sample >= self._paused_from
 
+    def statistics(self) -> dict[str, object]:
+        """What the rig does, samples and time."""
+        state = "held" if self.held else "paused" if self.paused else "moving"
+        counts = {"rig": state, "samples": self.sample, "time [s]": f"{self.time:.3f}"}
+        return counts | super().statistics()
+
     def publish_sample(self) -> None:
         """Read the sensors and publish the measurement and the true state."""
         stamp = self.stamp
         measurement, truth = self._read(self._memory, self._noise(), self._torque, self._plant)
-        self._is_resetting = False
+        self._is_resetting, self._is_measured = False, True
         if stamp >= self._look_at:
             self._look_at, self._is_truth_wanted = stamp + LOOK_PERIOD, self._truth.is_wanted()
         if self._is_truth_wanted:
@@ -117,6 +124,7 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         if not self.held:
             self._torque = self._move(self._memory, command, self._plant)
         self.sample += 1
+        self._is_measured = False
 
     def _reset(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._begin(self._rig.initial)
@@ -144,7 +152,9 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         self.sample += round(RESET_TIME * NANOSECONDS / self.period)
         phi, phi_dot, theta, theta_dot = initial
         state = phi, phi_dot, theta, theta_dot, 0.0
-        self._begun.publish(joint_state_bytes(self.stamp, state))
+        # A sample that was published moves on once more before the next one.
+        first = self.stamp + self._is_measured * self.period
+        self._begun.publish(joint_state_bytes(first, state))
 
 
 def _state_of(parameters: Sequence[Any]) -> InitialState:

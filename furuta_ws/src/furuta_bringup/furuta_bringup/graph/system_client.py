@@ -13,6 +13,7 @@ from std_srvs.srv import SetBool, Trigger
 
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT
 from furuta_bringup.graph.services import ATTEMPTS, ServiceCaller, ServiceError
+from furuta_ros.node import beside
 from furuta_ros.topics import DIAGNOSTICS, TRANSITIONS
 
 # Longest wait for the bridge [s].
@@ -71,11 +72,11 @@ class BridgeClient:
     def arm_and_watch(self) -> None:
         """Arm the bridge; raises :class:`ServiceError` also if it stops within a second."""
         self.arm()
-        stopped = Future()
+        bridge, stopped = beside(self._node, HARDWARE_BRIDGE), Future()
 
         def receive(message: DiagnosticArray) -> None:
             for status in message.status:
-                ours = status.name.startswith(HARDWARE_BRIDGE)
+                ours = status.name == bridge
                 if ours and status.level == DiagnosticStatus.ERROR and not stopped.done():
                     stopped.set_result(status.message)
 

@@ -91,7 +91,7 @@ class Described(NamedTuple):
             about |= {"values": self.choices, "words": words}
         elif self.choices:
             about |= {"values": self.choices, "words": self.choices}
-        elif plain:
+        elif plain and is_number(self.value) and self.low < self.high:
             about["slider"] = slider_range(self.value, self.low, self.high)
         return about
 

@@ -20,12 +20,12 @@ from rclpy.qos import QoSProfile, QoSReliabilityPolicy
 from rclpy.subscription import Subscription
 from std_msgs.msg import UInt64MultiArray
 
+from furuta.settings.nodes import HARDWARE_BRIDGE
 from furuta_bringup.page.samples import COLUMNS, ESTIMATE, FRICTION, PHI, THETA, TIME, Samples
 from furuta_bringup.page.samples import COMMAND as COMMAND_COLUMN
 from furuta_model.state import RIGID_STATES, SIGNALS, is_possible
 from furuta_ros.messages import RefusedError, deserialized, typed_joint_state, value_of
-from furuta_ros.node import LATCHED
-from furuta_ros.reduction_status import NAME_END
+from furuta_ros.node import LATCHED, beside
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import (
     COMMAND,
@@ -59,7 +59,7 @@ class LiveNode(Node):
 
     ``samples`` are the newest ones, ``timing`` the newest message on ``timing`` and ``status`` the
     newest status of the bridge, or None, received at ``status_time`` [s] of the steady clock.
-    ``warnings`` holds by name why other nodes do less than they were asked for.
+    ``warnings`` holds by name why other nodes of its namespace do less than they are asked for.
     ``on_parameters`` is called with each parameter event, ``on_beginning`` with the time [s] and
     the angles of arm and pendulum [rad] when the plant begins a new motion.
     """
@@ -155,12 +155,15 @@ class LiveNode(Node):
 
     def _keep_status(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.endswith(": rig"):
+            name = status.name.rpartition("/")[2]
+            if status.name != beside(self, name):  # of another graph, or of another program
+                continue
+            if name == HARDWARE_BRIDGE:
                 self.status, self.status_time = status, monotonic()
-            elif status.name.endswith(NAME_END) and status.level != DiagnosticStatus.OK:
-                self.warnings[status.name] = status.message
+            elif status.level != DiagnosticStatus.OK:
+                self.warnings[name] = status.message
             else:
-                self.warnings.pop(status.name, None)
+                self.warnings.pop(name, None)
 
     def subscribe(self, topic: Topic, qos: QoSProfile = NEWEST_QOS) -> Subscription:
         """A subscription whose messages wait until they are taken."""

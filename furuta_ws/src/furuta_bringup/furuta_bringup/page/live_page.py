@@ -26,6 +26,7 @@ from furuta_bringup.page.pacer import FOREVER, Pacer
 from furuta_bringup.page.rig_status import late_samples, rig_status
 from furuta_bringup.page.samples import TIME
 from furuta_bringup.page.server import PageServer
+from furuta_ros.errors import described
 from furuta_ros.middleware import ros_domain
 from furuta_ros.one_graph import namespace_option
 from furuta_ros.process import StopSignal, bounded_end
@@ -79,7 +80,9 @@ class LivePage:
         self._received = 0.0
         self._began: list[float] | None = None
         self._is_paced = False
-        server.received, server.history = self._hear, self._history
+        self._failures: set[str] = set()
+        server.received = lambda message: self._guard(partial(self._hear, message))
+        server.history = self._history
         server.tell(cycle=None)
 
     async def run(self, stop: Callable[[], bool]) -> None:
@@ -89,12 +92,23 @@ class LivePage:
             for number in count():
                 if stop():
                     return
-                self._do(number)
+                self._guard(partial(self._do, number))
                 due = max(due + PERIOD, monotonic())
                 await asyncio.sleep(max(0.0, due - monotonic()))
 
+    def _guard(self, call: Callable[[], None]) -> None:
+        """Do it; whatever others have sent, an exception ends nothing and is told once."""
+        try:
+            call()
+        except Exception as error:
+            if (failed := described(error)) not in self._failures:
+                self._failures.add(failed)
+                print(f"error: {failed}", file=sys.stderr, flush=True)
+                self._server.say(failed=failed)
+
     def close(self) -> None:
         """End what the page has begun; a plant that it holds continues."""
+        self._link.requests.submit("push", self._link.end_push)
         if self._server.known.get("place"):  # leave the scene
             base = self._server.known.get("base", {})
             before = {name: base[name] for name in scene_names() if name in base}
@@ -144,7 +158,7 @@ class LivePage:
     def _status(self) -> dict[str, Any]:
         nodes, node = self._nodes, self._node
         is_rig = HARDWARE_BRIDGE in nodes.running
-        notices = list(node.warnings.values())
+        notices = [node.warnings[name] for name in nodes.running if name in node.warnings]
         if nodes.silent:
             notices.append(f"does not answer, is asked again: {', '.join(nodes.silent)}")
         status: dict[str, Any] = {}

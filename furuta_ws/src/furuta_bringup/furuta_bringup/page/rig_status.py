@@ -1,16 +1,17 @@
 """What the page says of the timing, and of a rig."""
 
+import re
+from math import ceil
 from typing import Any
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
 
 # The bridge publishes its diagnostics once a second; older ones say nothing about now [s].
 OLDEST_STATUS = 4.0
 UNKNOWN = "–"
 # Latency [µs] from which a sample is late: that of the next sample.
 LATE = 1000.0
-# The rows of ``timing``: latency from measurement to command first.
-TIMING_ROWS = 2
 
 
 def rig_status(status: Any, age: float) -> dict[str, str]:
@@ -19,10 +20,15 @@ def rig_status(status: Any, age: float) -> dict[str, str]:
         return _told("not armed", "", "no diagnostics from the bridge")
     if age > OLDEST_STATUS:
         return _told("unknown", "unknown", f"the bridge has been silent for {age:.0f} s")
-    values = {pair.key: pair.value for pair in status.values}
-    title, kind = ("ARMED", "armed") if values["armed"] == "True" else ("not armed", "")
+    values = _values(status)
+    armed, state, stops = (values.get(key, UNKNOWN) for key in ("armed", "state", "stops"))
+    title, kind = ("ARMED", "armed") if armed == "True" else ("not armed", "")
     reason = status.message.removeprefix(title).strip()  # it may say the same again
-    return _told(title, kind, f"{reason}; {values['state']}, stops: {values['stops']}")
+    return _told(title, kind, f"{reason}; {state}, stops: {stops}")
+
+
+def _values(status: DiagnosticStatus) -> dict[str, str]:
+    return {pair.key: pair.value for pair in status.values}
 
 
 def _told(title: str, kind: str, text: str) -> dict[str, str]:
@@ -35,10 +41,14 @@ def late_samples(timing: Any, status: Any) -> str:
     ``timing`` is the newest message on that topic, ``status`` that of the bridge to a rig, or None.
     """
     if status is not None:
-        values = {pair.key: pair.value for pair in status.values}
+        values = _values(status)
         return f"{values.get('samples skipped', '0')} of {values.get('samples', '0')}"
-    if timing is None:
+    if timing is None or len(timing.layout.dim) != 2:
         return UNKNOWN
-    latency = np.array(timing.data).reshape(TIMING_ROWS, -1)[0]
-    width = float(timing.layout.dim[1].label.split()[-2])
-    return f"{int(latency[int(np.ceil(LATE / width)) :].sum())} of {int(latency.sum())}"
+    # Two rows of bins, the first one of the latency; the label of the bins says how wide they are.
+    bins = timing.layout.dim[1]
+    width = re.search(r"(\d+) us$", bins.label)
+    if width is None or int(width[1]) == 0:
+        return UNKNOWN
+    latency = np.array(timing.data[: bins.size])
+    return f"{int(latency[ceil(LATE / int(width[1])) :].sum())} of {int(latency.sum())}"

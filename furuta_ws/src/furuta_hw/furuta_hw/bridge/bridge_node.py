@@ -1,11 +1,13 @@
 """Node ``hardware_bridge``: passes commands to a rig and its measurements to the graph."""
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import wraps
 from math import isfinite, nan, pi
 from pathlib import Path
+from typing import TypeAlias
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diagnostic_msgs.msg import DiagnosticStatus
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.timer import Timer
@@ -30,7 +32,6 @@ from furuta_ros.spinning import run_node
 from furuta_ros.topics import (
     ARMED,
     COMMAND,
-    DIAGNOSTICS,
     FRICTION_ESTIMATE,
     JOINT_STATES,
     MEASUREMENT,
@@ -40,10 +41,10 @@ from furuta_ros.wire import joint_state_bytes
 
 CHECK_PERIOD = 0.005  # [s] between two checks of the age of commands and measurements
 PUBLISHERS_PERIOD = 0.1  # [s] between two checks for second publishers
-DIAGNOSTICS_PERIOD = 1.0  # [s] between two diagnostics; a stop is published at once
 LOOP = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
 START_DELAY = 0.001  # [s] of spinning after which autostart takes effect
 
+Transition: TypeAlias = Callable[[LifecycleState], TransitionCallbackReturn]
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
 
@@ -52,9 +53,9 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     """Replaces the plant: publishes ``measurement``, subscribes to ``command`` [V].
 
     A managed node. When configured it reads the rig and publishes. It drives the rig only while it
-    is active and armed by the service ``~/arm``. The reason of a stop is logged once and reported
-    on ``/diagnostics``. After a stop the bridge must be armed again. ``armed`` tells the controller
-    whether its commands are applied.
+    is active and armed by the service ``~/arm``. The reason of a stop is logged once and stays in
+    the status on ``/diagnostics``. After a stop the bridge must be armed again. ``armed`` tells the
+    controller whether its commands are applied.
     """
 
     runs_compiled_code = False
@@ -62,9 +63,10 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
 
     def __init__(self, overrides: Sequence[Parameter] = ()) -> None:
         FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
+        others = set(self.services)
         LifecycleNodeMixin.__init__(self)
-        changes = self._service_change_state
-        changes.callback = self.guarded("change_state", changes.callback)
+        self.guard_services(set(self.services) - others)
+        self._callbacks = {id_: self._logged(call) for id_, call in self._callbacks.items()}
         reject_simulated_time(self, "a rig runs in real time")
         self.rig = Rig()
         self.guard = Guard(self.rig.limits, self.rig.line.sample_time)
@@ -77,7 +79,6 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         self._armed = Bool()
         self._armed_publisher = self.create_publisher(ARMED.message, ARMED.name, LATCHED)
         self._armed_publisher.publish(self._armed)
-        self._diagnostics = self.create_publisher(DIAGNOSTICS.message, DIAGNOSTICS.name, 10)
         self.subscribe_to(COMMAND, self._on_command)
         self.subscribe_to(FRICTION_ESTIMATE, self._on_estimate)
         self.create_service(SetBool, "~/arm", self._on_arm)
@@ -120,11 +121,10 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         if parameters.any_pendulum_angle:
             limits = limits._replace(pendulum_angle=pi)
         self.guard = Guard(limits, self.rig.line.sample_time)
-        self.guarded_rig = GuardedRig(connection, self.guard, self._report_stop)
+        self.guarded_rig = GuardedRig(connection, self.guard, self._report_end)
         self._timers_when_configured = [
             self.steady_timer(CHECK_PERIOD, self._check),
             self.steady_timer(PUBLISHERS_PERIOD, lambda: self._stop_on_second_publisher(LOOP)),
-            self.steady_timer(DIAGNOSTICS_PERIOD, self._publish_diagnostics),
         ]
         return SUCCESS
 
@@ -137,7 +137,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
     def on_deactivate(self, state: LifecycleState) -> TransitionCallbackReturn:
         """Set the rig to 0 V and only read it."""
         if self.guarded_rig is not None:
-            self.guarded_rig.stop("deactivated")
+            self.guarded_rig.disarm("deactivated")
         return SUCCESS
 
     def on_cleanup(self, state: LifecycleState) -> TransitionCallbackReturn:
@@ -178,20 +178,28 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             self.guarded_rig.close()
             self.guarded_rig = None
 
+    def _logged(self, transition: Transition) -> Transition:
+        """The callback of a transition; rclpy drops an exception in it without a word."""
+
+        @wraps(transition)
+        def call(state: LifecycleState) -> TransitionCallbackReturn:
+            try:
+                return transition(state)
+            except Exception as error:
+                self.failure = self.report_failure(transition.__name__, error)
+                return TransitionCallbackReturn.ERROR
+
+        return call
+
     def _fail(self, reason: str) -> TransitionCallbackReturn:
         self.failure = reason
         self.get_logger().error(reason)
         return FAILURE
 
     def _data_arrived(self) -> None:
-        """Called by the reading thread: let this node's own thread decode the data.
-
-        By a task, because the events executor supports no guard conditions.
-        """
-        executor = self.executor
-        if executor is not None and not self._receive_scheduled:
-            self._receive_scheduled = True
-            executor.create_task(self._receive)
+        """Called by the reading thread: let this node's own thread decode the data."""
+        if not self._receive_scheduled:
+            self._receive_scheduled = self.run_soon(self._receive)
 
     def _receive(self) -> None:
         """Publish the samples that have arrived."""
@@ -230,7 +238,7 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             response.success = not response.message
         else:
             if self.guarded_rig is not None:
-                self.guarded_rig.stop("disarmed by request")
+                self.guarded_rig.disarm("disarmed by request")
             response.success, response.message = True, "disarmed"
         return response
 
@@ -255,45 +263,45 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             self._armed.data = self.guard.armed
             self._armed_publisher.publish(self._armed)
 
-    def _report_stop(self) -> None:
+    def _report_end(self) -> None:
+        """Report that the rig is not driven any more, because of a problem or as was wished."""
         self._report_armed()
-        self.get_logger().error(f"stopped, 0 V: {self.guard.reason}")
-        self._publish_diagnostics()
+        reason = self.guard.reason
+        if self.guard.is_stopped:
+            self.get_logger().error(f"stopped, 0 V: {reason}")
+        else:
+            self.get_logger().info(f"not armed any more, 0 V: {reason}")
+        self.publish_status()
 
-    def _publish_diagnostics(self) -> None:
-        status = rig_status(self.state, self.guard, self.connection, self.failure, self.samples)
-        status.name = f"{self.get_name()}: rig"
-        status.hardware_id = self.parameters.port
-        message = DiagnosticArray(status=[status])
-        message.header.stamp = self.get_clock().now().to_msg()
-        self._diagnostics.publish(message)
+    def status(self) -> DiagnosticStatus:
+        """OK while it drives, WARN while it only reads, ERROR after a stop or without a line."""
+        guard, connection = self.guard, self.connection
+        if guard.armed:
+            level, text = DiagnosticStatus.OK, "driving"
+        elif connection is not None and connection.connected:
+            level = DiagnosticStatus.ERROR if guard.is_stopped else DiagnosticStatus.WARN
+            text = guard.reason
+        else:
+            reason = connection.failure if connection else self.failure
+            level, text = DiagnosticStatus.ERROR, reason or "no line"
+        return DiagnosticStatus(level=level, message=text, hardware_id=self.parameters.port)
 
-
-def rig_status(
-    state: str, guard: Guard, connection: RigConnection | None, failure: str, samples: int
-) -> DiagnosticStatus:
-    """OK while it drives, WARN while it only reads, ERROR after a stop or without a line."""
-    if guard.armed:
-        level, text = DiagnosticStatus.OK, "driving"
-    elif connection is not None and connection.connected:
-        level = DiagnosticStatus.ERROR if guard.stops else DiagnosticStatus.WARN
-        text = guard.reason
-    else:
-        reason = connection.failure if connection else failure
-        level, text = DiagnosticStatus.ERROR, reason or "no line"
-    values = {"state": state, "armed": guard.armed, "stops": guard.stops, "samples": samples}
-    if connection is not None:
-        line = connection.statistics()
-        values |= {
-            "frames lost": line.lost,
-            "frames corrupt": line.corrupt,
-            "frames repeated": line.repeated,
-            "frames of other sessions": line.other_sessions,
-            "frames the rig discarded": line.discarded_by_rig,
-            "samples skipped": connection.skipped_samples,
-        }
-    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
-    return DiagnosticStatus(level=level, message=text, values=pairs)
+    def statistics(self) -> dict[str, object]:
+        """What is armed, counts of the rig and of its line."""
+        guard, connection = self.guard, self.connection
+        values = {"state": self.state, "armed": guard.armed, "stops": guard.stops}
+        values |= {"samples": self.samples} | super().statistics()
+        if connection is not None:
+            line = connection.statistics()
+            values |= {
+                "frames lost": line.lost,
+                "frames corrupt": line.corrupt,
+                "frames repeated": line.repeated,
+                "frames of other sessions": line.other_sessions,
+                "frames the rig discarded": line.discarded_by_rig,
+                "samples skipped": connection.skipped_samples,
+            }
+        return values
 
 
 def main() -> None:

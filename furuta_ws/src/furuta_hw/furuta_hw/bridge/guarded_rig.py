@@ -12,21 +12,23 @@ from furuta_ros.time_stamps import NANOSECONDS
 
 # Largest correction of the stamps per period: far above a crystal's error, far below the jitter.
 SLEW = 200e-6
+# The rig counts its samples modulo this.
+COUNTED = 2**32
 
 
 class GuardedRig:
     """Passes commands to an open connection as far as the guard permits, and stops the rig.
 
-    ``report_stop`` is called once after every stop, when the rig has been told to stop.
+    ``report_end`` is called once after every stop and each disarming, when the rig has been told.
     """
 
     def __init__(
-        self, connection: RigConnection, guard: Guard, report_stop: Callable[[], None]
+        self, connection: RigConnection, guard: Guard, report_end: Callable[[], None]
     ) -> None:
         self.connection = connection
         self.guard = guard
-        self._report_stop = report_stop
-        self._reported_stops = guard.stops
+        self._report_end = report_end
+        self._was_armed = guard.armed
         self._restart_clock()
 
     def samples(self) -> Iterator[RigSample]:
@@ -61,11 +63,18 @@ class GuardedRig:
             with self._stopped_on_failure():
                 self.connection.arm()
             reason = self.guard.reason
+        self._was_armed = self.guard.armed
         return reason
 
     def stop(self, reason: str) -> None:
-        """Disarm the guard and the rig, which goes to 0 V."""
+        """Disarm the guard and the rig, which goes to 0 V, because of a problem."""
         self.guard.stop(reason)
+        self._handle_stop()
+        self.connection.stop()
+
+    def disarm(self, reason: str) -> None:
+        """Disarm the guard and the rig, which goes to 0 V, as somebody wishes."""
+        self.guard.disarm(reason)
         self._handle_stop()
         self.connection.stop()
 
@@ -76,14 +85,14 @@ class GuardedRig:
 
     def close(self) -> None:
         """Stop the rig and close the line."""
-        self.stop("the bridge ends")
+        self.disarm("the bridge ends")
         self.connection.close()
 
     def _handle_stop(self) -> None:
-        if self.guard.stops != self._reported_stops:
-            self._reported_stops = self.guard.stops
+        if self._was_armed and not self.guard.armed:
+            self._was_armed = False
             self.connection.stop()
-            self._report_stop()
+            self._report_end()
 
     @contextmanager
     def _stopped_on_failure(self) -> Iterator[None]:
@@ -112,12 +121,14 @@ class SampleClock:
     def __init__(self, period: int) -> None:
         self._period = period
         self._largest = max(1, round(SLEW * period))
-        self._start: int | None = None
+        self._sample: int | None = None
+        self._stamp = 0
 
     def stamp(self, sample: int, now: int) -> int:
-        """Compute the stamp [ns] of a sample that arrived at ``now`` [ns]."""
-        if self._start is None:
-            self._start = now - sample * self._period
-        error = now - self._start - sample * self._period
-        self._start += min(max(error, -self._largest), self._largest)
-        return self._start + sample * self._period
+        """Compute the stamp [ns] of a sample, by its number, that arrived at ``now`` [ns]."""
+        if self._sample is None:
+            self._sample, self._stamp = sample, now
+        steps = (sample - self._sample + COUNTED // 2) % COUNTED - COUNTED // 2
+        self._sample, due = sample, self._stamp + steps * self._period
+        self._stamp = due + min(max(now - due, -self._largest), self._largest)
+        return self._stamp

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from furuta_hw.connection.rig_driver import LineStatistics, RigSample
 from furuta_hw.drivers import make_driver
-from furuta_hw.errors import LineError, RigError
+from furuta_hw.errors import LineError, RigError, driver_errors
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
 
@@ -45,7 +45,8 @@ class RigSession:
         self._driver = make_driver(port, rig)
 
     def __enter__(self) -> RigSession:
-        self._driver.open()
+        with driver_errors():
+            self._driver.open()
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -64,7 +65,9 @@ class RigSession:
         silence = max(SILENCE, self.rig.limits.measurement_age)
         received_at = monotonic()
         while left > 0:
-            for sample in self._driver.decode(self._driver.read()):
+            with driver_errors():
+                samples = self._driver.decode(self._driver.read())
+            for sample in samples:
                 received_at = monotonic()
                 if left > 0:
                     left -= 1
@@ -94,7 +97,8 @@ class RigSession:
                 applied = guard.command(now, volts)
                 if applied is None:
                     raise RigError(guard.reason)
-                self._driver.drive(applied)
+                with driver_errors():
+                    self._driver.drive(applied)
                 volts = experiment.send(sample)
         except StopIteration as done:
             result: Result = done.value

@@ -8,7 +8,7 @@ from time import monotonic
 from typing import Any
 
 from furuta_hw.connection.rig_driver import LineStatistics, RigDriver, RigSample
-from furuta_hw.errors import LineError
+from furuta_hw.errors import LineError, driver_errors
 
 # Late samples are passed on because filters count on them, but no more than this many at once.
 MAX_BATCH = 20
@@ -38,7 +38,8 @@ class RigConnection:
 
     def open(self) -> None:
         """Open the line. Raises :class:`LineError`."""
-        self._driver.open()
+        with driver_errors():
+            self._driver.open()
         self._inbox.clear()
         self._bad_frames = 0
         self.connected, self.failure = True, ""
@@ -66,19 +67,19 @@ class RigConnection:
 
     def arm(self) -> None:
         """Arm the rig. Raises :class:`LineError`."""
-        with self._closed_on_failure():
+        with self._closed_on_failure(), driver_errors():
             self._driver.arm()
 
     def drive(self, volts: float) -> None:
         """Apply a voltage [V]. Raises :class:`LineError`."""
         if self.connected:
-            with self._closed_on_failure():
+            with self._closed_on_failure(), driver_errors():
                 self._driver.drive(volts)
 
     def stop(self) -> None:
         """Disarm the rig and set it to 0 V. If the line fails, the rig's watchdog stops it."""
         if self.connected:
-            with suppress(LineError):
+            with suppress(LineError), driver_errors():
                 self._driver.stop()
 
     def close(self) -> None:
@@ -86,7 +87,8 @@ class RigConnection:
         if self.connected:
             self.connected = False
             self._stop_reading()
-            self._driver.close()
+            with suppress(LineError), driver_errors():
+                self._driver.close()
 
     def statistics(self) -> LineStatistics:
         """Return the driver's statistics."""
@@ -128,7 +130,8 @@ class RigConnection:
     def _restart(self) -> None:
         self._stop_reading()
         try:
-            self._driver.restart()
+            with driver_errors():
+                self._driver.restart()
         except LineError as error:
             self.connected, self.failure = False, str(error)
             self._schedule_retry()
@@ -155,11 +158,11 @@ class RigConnection:
     def _read(self) -> None:
         while not self._closing:
             try:
-                data = self._driver.read()
+                with driver_errors():
+                    if data := self._driver.read():
+                        self._inbox.append(data)
+                        self._data_arrived()
             except LineError as error:
                 self._read_error = error
                 self._data_arrived()
                 return
-            if data:
-                self._inbox.append(data)
-                self._data_arrived()

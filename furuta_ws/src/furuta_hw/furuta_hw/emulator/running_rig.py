@@ -9,7 +9,6 @@ import os
 import select
 import socket
 import tty
-from array import array
 from collections.abc import Callable
 from pathlib import Path
 from threading import Lock, Thread
@@ -28,6 +27,8 @@ SUSPENDED = 1_000_000_000
 # Longest wait for the answer to a sample in lock-step [ns]: the host restarts a rig that is silent
 # for longer.
 ANSWER_TIMEOUT = round(0.5e9 * RETRY_PERIOD)
+# Samples that the log keeps, the newest ones: ten minutes of 1 kHz, 43 MB.
+KEPT = 600_000
 # Columns of the log: when the sample was due (steady clock), the state after ``volts`` [V] over it.
 # ``answered`` is the sample of the newest command or arming.
 COLUMNS = (
@@ -69,7 +70,7 @@ class RunningRig:
     def __init__(self, rig: EmulatedRig, period: float) -> None:
         self.rig = rig
         self.terminal = PseudoTerminal()
-        self._log = array("d")
+        self._log, self._logged = np.zeros((KEPT, len(COLUMNS))), 0
         self._period = round(period * 1e9)
         self.late_samples = 0
         self._lock = Lock()  # the monitor reads on its own thread
@@ -114,14 +115,18 @@ class RunningRig:
         rig = self.rig
         with self._lock:
             out = rig.step()
-        firmware = rig.firmware
-        counts = firmware.number, firmware.answered
-        self._log.extend((due, *rig.x[:4], rig.volts, firmware.armed, *counts))
+            firmware = rig.firmware
+            row = due, *rig.x[:4], rig.volts, firmware.armed, firmware.number, firmware.answered
+            self._log[self._logged % KEPT] = row
+            self._logged += 1
         return out
 
     def _save(self, path: Path) -> int:
         """Write the log, a row per sample, to an ``.npz`` file; returns the number of rows."""
-        table = np.array(self._log[:]).reshape(-1, len(COLUMNS))
+        with self._lock:
+            newest = self._logged % KEPT
+            oldest = self._log[newest:] if self._logged > KEPT else self._log[:0]
+            table = np.concatenate((oldest, self._log[:newest]))
         columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
         with whole_file(path) as new:
             np.savez(new, **columns)
