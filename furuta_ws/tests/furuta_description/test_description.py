@@ -1,6 +1,8 @@
 """The robot description of each rig, and the layouts of display tools."""
 
 import re
+import sys
+from importlib import import_module
 from math import cos, sin
 from pathlib import Path
 
@@ -20,6 +22,15 @@ def rotation(axis: list[float], angle: float) -> np.ndarray:
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + sin(angle) * cross + (1 - cos(angle)) * cross @ cross
+
+
+def test_only_a_view_needs_xacro(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The launch file imports this module also where no view is asked for."""
+    monkeypatch.setitem(sys.modules, "xacro", None)
+    monkeypatch.delitem(sys.modules, "furuta_description.robot_description")
+    module = import_module("furuta_description.robot_description")
+    with pytest.raises(ModuleNotFoundError, match="the view in RViz needs xacro, which is not"):
+        module.display_nodes()
 
 
 def test_joints_have_the_names_of_the_topics() -> None:

@@ -34,7 +34,7 @@ def code(node: HardwareBridgeNode) -> int:
     return int(driver._port._rig.firmware.code)
 
 
-def test_states(bench: Bench, permissive_rig: str) -> None:
+def test_states(bench: Bench, permissive_rig: str, capfd: Any) -> None:
     """Unconfigured it does nothing; inactive it publishes; active it can be armed and drives."""
     node = bridge(bench, rig=permissive_rig)
     received = bench.collect(MEASUREMENT)
@@ -54,6 +54,9 @@ def test_states(bench: Bench, permissive_rig: str) -> None:
     assert change(bench, Transition.TRANSITION_DEACTIVATE)
     bench.spin(lambda: code(node) == 0)
     assert (node.guard.armed, node.guard.reason) == (False, "deactivated")
+    assert node.summary().endswith(" 0 stops")
+    assert "ERROR" not in (log := capfd.readouterr().err)
+    assert "0 V: deactivated" in log
     assert change(bench, Transition.TRANSITION_CLEANUP)
     assert (node.state, node.connection) == ("unconfigured", None)
 
@@ -161,8 +164,9 @@ def test_a_bad_command_stops_the_rig_until_it_is_armed_again(
     spin_samples(bench, node, 100)
     assert (node.guard.armed, node.guard.stops) == (True, 1)
     assert arm(bench, armed=False) == (True, "disarmed")
-    assert (node.guard.armed, node.guard.stops) == (False, 2)
-    assert node.guard.reason == "disarmed by request"
+    assert (node.guard.armed, node.guard.stops) == (False, 1)  # which is no stop
+    status = node.status()
+    assert (status.level, status.message) == (DiagnosticStatus.WARN, "disarmed by request")
 
 
 @pytest.mark.parametrize("allowed", [False, True])

@@ -1,5 +1,11 @@
 """The reference firmware drives while it is answered; ``proofs`` explores when it must not."""
 
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from furuta_hw.emulator import running_rig
 from furuta_hw.emulator.emulated_rig import EmulatedRig
 from furuta_hw.emulator.firmware import Firmware
 from furuta_hw.protocol import frames
@@ -88,3 +94,14 @@ def test_bytes_arrive_once_while_another_thread_takes_them() -> None:
     emulated.receive(Interrupted(b"second"))
     emulated.process_input()
     assert b"".join(taken) == b"firstsecond"
+
+
+def test_the_log_keeps_the_newest_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In order, and no more than it has room for, however long the rig runs."""
+    monkeypatch.setattr(running_rig, "KEPT", 10)
+    running, file = running_rig.RunningRig(EmulatedRig(Rig()), 0.001), tmp_path / "log.npz"
+    for newest in range(1, 26):
+        running._sample(0)
+        kept = running.answer({"do": "save", "path": str(file)})["rows"]
+        assert kept == min(newest, 10)
+        assert list(np.load(file)["sample"]) == list(range(newest - kept + 1, newest + 1))

@@ -10,7 +10,11 @@ from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, spin_samples
 
 from furuta_hw import drivers
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
+from furuta_hw.commissioning.session import RigSession
 from furuta_hw.connection import rig_connection
+from furuta_hw.drivers.serial_protocol.driver import SerialProtocolDriver
+from furuta_hw.errors import RigError
+from furuta_hw.rigs.rig import Rig
 from furuta_ros.testing import Bench
 from furuta_ros.topics import MEASUREMENT
 
@@ -31,6 +35,13 @@ def rig_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     file.write_text(PERMISSIVE_RIG.replace("watchdog: 1.0", f"watchdog: 1.0, driver: {name}"))
     yield file
     sys.modules.pop(f"furuta_hw.drivers.{name}", None)
+
+
+def test_an_exception_in_a_driver_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also while commissioning, where nothing else could catch it."""
+    monkeypatch.setattr(SerialProtocolDriver, "decode", lambda self, data: data + None)
+    with pytest.raises(RigError, match=r"<lambda> failed .* TypeError"), RigSession("mock", Rig()):
+        pass
 
 
 def armed(node: HardwareBridgeNode) -> bool:

@@ -85,7 +85,7 @@ def fail_each(
     samples: Callable[[], int],
     goes_on: Callable[[str], None],
 ) -> set[str]:
-    """Let each method fail while the timers and services of ``nodes`` are called; those that did."""
+    """Let each method fail while timers and services of ``nodes`` are called; those that did."""
     failed = set()
     for kind, name in failing.methods:
         failing.chosen = kind, name

@@ -4,6 +4,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from odd_messages import MALFORMED
 from rcl_interfaces.msg import Parameter, ParameterEvent, ParameterValue
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rosbags.highlevel import AnyReader
@@ -12,10 +13,8 @@ from sensor_msgs.msg import JointState
 from furuta.settings.nodes import NODES
 from furuta.settings.settings import Settings
 from furuta_bringup.graph.composed_graph import SimulatedGraph
-from furuta_bringup.page.live_node import LiveNode
 from furuta_recordings.recorder_node import RecorderNode
 from furuta_ros.testing import Bench
-from furuta_ros.topics import JOINT_STATES, PARAMETER_EVENTS
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -35,8 +34,7 @@ def test_a_parameter_of_an_unknown_type_is_refused(bench: Bench, name: str) -> N
         assert "77 is not a valid" in result.reason
 
 
-# Events and states that cannot be read, or whose parameters have no known type.
-MALFORMED = (b"", b"\x00\x01\x00\x00", b"\x00\x01\x00\x00" + b"\xff" * 40, b"\xff" * 9)
+# Has no known type.
 UNKNOWN = Parameter(name="alpha0", value=ParameterValue(type=77))
 
 
@@ -60,16 +58,3 @@ def test_malformed_messages_do_not_end_a_recording(
         counts = {each.topic: each.msgcount for each in reader.connections}
     assert counts["/command"] == 1000
     assert counts["/parameter_events"] > 1
-
-
-def test_malformed_messages_do_not_end_the_page(bench: Bench) -> None:
-    """Its node leaves them out."""
-    received: list[ParameterEvent] = []
-    node = bench.add(LiveNode(received.append, lambda time, phi, theta: None))
-    events = bench.publisher(PARAMETER_EVENTS)
-    states = bench.publisher(JOINT_STATES.throttled)
-    for data in MALFORMED:
-        events.publish(data)
-        states.publish(data)
-    events.publish(ParameterEvent(node="/last"))
-    bench.spin(lambda: node.collect() or any(each.node == "/last" for each in received))

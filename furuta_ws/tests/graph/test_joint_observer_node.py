@@ -2,6 +2,7 @@
 
 from array import array
 from math import nan
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -9,11 +10,13 @@ from counting import count_handled
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
+from furuta_friction.compensators.recommended import LARGEST_LEVEL
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_friction.joint_observer import JointMemory, design_joint, joint_step
+from furuta_model.accepted_parts import accept_parts
 from furuta_model.block import block, new_memory
 from furuta_ros.node import BEST_EFFORT
-from furuta_ros.testing import Bench
+from furuta_ros.testing import Bench, joint_state
 from furuta_ros.topics import FRICTION_ESTIMATE, JOINT_STATES, REFERENCE
 
 PERIOD = 2_000_000
@@ -129,6 +132,49 @@ def test_a_missing_effort_is_named(bench: Bench, node: Any, capfd: Any) -> None:
         capfd.readouterr()
         node._check()
         assert ("needs effort in joint_states" in capfd.readouterr().err) is is_named
+
+
+def test_a_wrong_joint_is_named(bench: Bench, node: Any, capfd: Any) -> None:
+    """Messages come, and none has the joint: the warning and the status say which one has."""
+    publisher, handled = bench.publisher(JOINT_STATES), count_handled(node)
+    for joint, is_named in (("elbow_jiont", True), ("elbow_joint", False)):
+        publisher.publish(state(PERIOD, **{joint: (0.0, 0.0, 0.0)}))
+        bench.spin(lambda: handled.pop(JOINT_STATES.name, 0) == 1)
+        node._check()
+        expected = "no message on joint_states has the joint elbow_joint; one has ['elbow_jiont']"
+        assert (expected in capfd.readouterr().err) is (node.problem() == expected) is is_named
+
+
+@pytest.mark.parametrize("value", [nan, 1e9])
+def test_a_wrong_compensator_is_named(
+    bench: Bench, capfd: Any, no_parts: None, tmp_path: Path, value: float
+) -> None:
+    """A part of one's own that gives no possible F̂ is blamed, not the state; nothing is sent."""
+    (tmp_path / "mine.py").write_text(
+        f"def f(memory, x, p):\n    return {value!r}\n".replace("nan", "1e999 - 1e999")
+    )
+    name = f"{tmp_path / 'mine.py'}:f"
+    accept_parts([name])
+    given = [Parameter("compensation", value=name)]
+    node = bench.add(FrictionObserverNode(given))
+    publisher = bench.publisher(JOINT_STATES)
+    publisher.publish(joint_state((0.0, 1.0, 0.0, 0.0), 1))
+    bench.spin(lambda: node.refused == 1)
+    assert f"mine.py:f gives {value:g} for it" in capfd.readouterr().err
+
+
+def test_the_limits_of_recommended_are_named(bench: Bench) -> None:
+    """Without a level it only observes; at its largest level the friction is larger."""
+    given = {"compensation": "recommended", "alpha0": 0.0, "alpha1": 0.0}
+    node = bench.add(FrictionObserverNode([Parameter(n, value=v) for n, v in given.items()]))
+    node._check()
+    assert "alpha0 and alpha1 are 0" in node.problem()
+    node.set_parameters([Parameter("alpha0", value=0.2)])
+    node._check()
+    assert node.problem() == ""
+    node._memory["recommended"]["level"] = LARGEST_LEVEL
+    node._check()
+    assert "its level is at its limit, 4 times" in node.problem()
 
 
 def test_a_wrong_sample_time_is_named(bench: Bench, node: Any, capfd: Any) -> None:

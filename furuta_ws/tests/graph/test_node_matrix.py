@@ -7,12 +7,18 @@ from typing import Any
 
 import pytest
 from counting import count_handled
-from odd_messages import good, odd
+from diagnostic_msgs.msg import DiagnosticStatus
+from lifecycle_msgs.srv import GetState
+from odd_messages import MALFORMED, good, is_sent, odd
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from std_srvs.srv import SetBool
 
 from furuta.settings.nodes import HARDWARE_BRIDGE, NODES
+from furuta_bringup.graph.services import ServiceError
+from furuta_bringup.graph.system_client import BridgeClient
+from furuta_bringup.page.live_node import LiveNode
 from furuta_bringup.page.live_page import LivePage
 from furuta_ros.node import LATCHED, FurutaNode
 from furuta_ros.testing import Bench
@@ -54,9 +60,10 @@ def test_no_message_surprises_a_node(
     for topic, kind in inputs.items():
         publisher = bench.probe.create_publisher(kind, topic, ALL)
         bench.spin(lambda publisher=publisher: publisher.get_subscription_count() > 0)
-        for sent, message in enumerate([*odd(kind), good(kind)], handled[topic.strip("/")] + 1):
-            publisher.publish(message)
-            bench.spin(lambda sent=sent, topic=topic: handled[topic.strip("/")] >= sent)
+        for message in (*odd(kind), *MALFORMED, good(kind)):
+            before = handled[topic.strip("/")]
+            if is_sent(publisher, message):
+                bench.spin(lambda topic=topic, n=before: handled[topic.strip("/")] > n)
     assert not failures
 
 
@@ -76,7 +83,10 @@ def test_topics(bench: Bench, node: FurutaNode[Any]) -> None:
     bench.spin(lambda: len(statuses) > 0)
     (status,) = statuses[-1].status
     assert status.name == node.get_fully_qualified_name()
-    assert node.get_name() == HARDWARE_BRIDGE or (status.level, status.message) == (b"\0", "running")
+    assert node.get_name() == HARDWARE_BRIDGE or (status.level, status.message) == (
+        b"\0",
+        "running",
+    )
 
 
 def test_what_is_saved_can_be_loaded(bench: Bench, node: FurutaNode[Any]) -> None:
@@ -99,6 +109,37 @@ def test_what_is_saved_can_be_loaded(bench: Bench, node: FurutaNode[Any]) -> Non
     assert "own_parts" in reason or "read-only" in reason
 
 
+def test_only_the_bridge_of_this_graph_counts(bench: Bench) -> None:
+    """Of those in other namespaces, which publish on the same topic, nothing is said."""
+    others = ("/b/hardware_bridge", "/hardware_bridge/b", "hardware_bridge", "hardware_bridge: rig")
+    view = LiveNode(lambda event: None, lambda *of: None)
+    publisher = bench.probe.create_publisher(DIAGNOSTICS.message, DIAGNOSTICS.name, ALL)
+    bench.probe.create_service(GetState, "hardware_bridge/get_state", lambda _, answer: answer)
+    client = BridgeClient(bench.probe, bench.executor)
+
+    def publish(*names: str) -> None:
+        status = [DiagnosticStatus(level=b"\2", name=name, message=name) for name in names]
+        publisher.publish(DIAGNOSTICS.message(status=status))
+
+    def arm(request: SetBool.Request, answer: SetBool.Response) -> SetBool.Response:
+        bench.probe.create_timer(0.1, lambda: publish(*others, *extra))
+        answer.success = True
+        return answer
+
+    bench.probe.create_service(SetBool, "hardware_bridge/arm", arm)
+    extra: list[str] = []
+    client.arm_and_watch()
+    bench.spin(lambda: publisher.get_subscription_count() > 0)
+    view.collect()
+    assert view.status is None and not view.warnings
+    extra = ["/hardware_bridge"]
+    with pytest.raises(ServiceError, match=r"stopped at once: /hardware_bridge$"):
+        client.arm_and_watch()
+    view.collect()
+    assert view.status.name == "/hardware_bridge"
+    view.destroy_node()
+
+
 def test_no_message_ends_the_page(bench: Bench) -> None:
     """Nor is there an exception that its guard has to catch."""
     nothing = partial(lambda *_, **__: None)
@@ -107,8 +148,8 @@ def test_no_message_ends_the_page(bench: Bench) -> None:
     for topic, kind in inputs.items():
         publisher = bench.probe.create_publisher(kind, topic, ALL)
         bench.spin(lambda publisher=publisher: publisher.get_subscription_count() > 0)
-        for message in odd(kind):
-            publisher.publish(message)
+        for message in (*odd(kind), *MALFORMED):
+            is_sent(publisher, message)
             bench.executor.spin_once(timeout_sec=0.002)
             page._time, page._nodes.running = 1.0, list(NODES)
             page._guard(partial(page._do, 0))

@@ -13,7 +13,8 @@ from furuta_bringup.graph.composed_graph import SimulatedGraph
 from furuta_bringup.graph.parameter_client import ParameterClient
 from furuta_ros.node import LATCHED
 from furuta_ros.spinning import spin_until
-from furuta_ros.topics import INITIAL_STATE
+from furuta_ros.time_stamps import stamp_nanoseconds
+from furuta_ros.topics import INITIAL_STATE, MEASUREMENT
 
 
 def largest_angle(graph: SimulatedGraph, seconds: float) -> float:
@@ -54,7 +55,7 @@ def test_loop_recovers_by_reset(ros: None, clock: str) -> None:
 
 def test_a_state_is_set_and_told(ros: None) -> None:
     """What is left out is 0. A late subscriber hears of it; a mistake changes nothing."""
-    user, told = Node("user"), []
+    user, told, measured = Node("user"), [], []
     graph = SimulatedGraph(load_settings([], ["clock=lockstep"]), [user])
     client = user.create_client(SetParametersAtomically, "plant/set_state")
 
@@ -75,6 +76,8 @@ def test_a_state_is_set_and_told(ros: None) -> None:
             assert not refused.successful
             assert reason in refused.reason
         assert graph.plant.time < 100.0
+        user.create_subscription(MEASUREMENT.message, MEASUREMENT.name, measured.append, 10)
+        largest_angle(graph, 0.1)
         assert set_state(phi=0.2, theta=-0.3).successful
         assert graph.plant.x[:4] == pytest.approx([0.2, 0.0, -0.3, 0.0])
         user.create_subscription(INITIAL_STATE.message, INITIAL_STATE.name, told.append, LATCHED)
@@ -82,5 +85,7 @@ def test_a_state_is_set_and_told(ros: None) -> None:
         assert list(told[0].position) == [0.2, -0.3]
         assert largest_angle(graph, 4.0) < 0.5
         assert abs(graph.plant.x[2]) < 0.1  # it is balanced again
+        stamps = np.array([stamp_nanoseconds(each) for each in measured])
+        assert stamp_nanoseconds(told[0]) == stamps[np.argmax(np.diff(stamps)) + 1]
     finally:
         graph.close()

@@ -77,6 +77,16 @@ def test_a_dump_loads_again(tmp_path: Path, name: str, monkeypatch: pytest.Monke
     assert (before != NODES[name].parameters()) == bool(changes)
 
 
+@pytest.mark.parametrize("word", ["off", "no", "true"])
+def test_a_word_that_yaml_takes_for_a_boolean(word: str) -> None:
+    """What is allowed is said, not which type ROS expects."""
+    with (
+        ros_context(["--ros-args", "-p", f"compensation:={word}"]),
+        pytest.raises(ParameterError, match=r"^compensation must be .*none, coulomb"),
+    ):
+        FrictionObserverNode()
+
+
 def test_a_section_for_several_nodes(tmp_path: Path, capfd: Any) -> None:
     """A name that the node does not have is reported once and ignored; the others apply.
 

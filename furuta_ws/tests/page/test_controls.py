@@ -4,6 +4,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
 from furuta_bringup.page.described import Described
+from furuta_bringup.page.guided_scenes import IN_SIGHT
 from furuta_bringup.page.nodes_on_page import plain
 from furuta_bringup.page.rig_status import rig_status
 from furuta_model.parameters import ParameterError
@@ -58,6 +59,15 @@ def test_other_values_are_refused(value: object, wrong: tuple[object, ...]) -> N
     for given in wrong:
         with pytest.raises(ParameterError, match="must be"):
             Described("name", value).accepted(given)
+
+
+@pytest.mark.parametrize("name", IN_SIGHT)
+def test_a_parameter_in_sight_may_have_any_value(name: str) -> None:
+    """A node of another kind may have one of that name; it has a control all the same."""
+    node, _, own = name.partition(".")
+    for value in (float("inf"), float("nan"), 1e300, 0.0, "text", [1.0], True, None, b"x"):
+        for low, high in ((float("-inf"), float("inf")), (0.0, 0.0), (5.0, -5.0)):
+            assert Described(own, value, low=low, high=high, node=node).about()["name"] == name
 
 
 def test_every_value_of_a_parameter_can_be_told() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from std_srvs.srv import SetBool
 
 from furuta.settings.nodes import HARDWARE_BRIDGE
@@ -15,6 +16,7 @@ from furuta_bringup.page.graph_link import GraphLink, SpinningThread
 from furuta_bringup.page.live_page import LivePage
 from furuta_bringup.page.server import PageServer
 from furuta_ros.middleware import ros_domain
+from furuta_sim.plant_node import PlantNode
 
 TIMEOUT = 120.0
 
@@ -70,6 +72,20 @@ def test_empty_start_says_what_is_awaited(ros: None) -> None:
     silent.destroy_node()
 
 
+def test_a_closed_page_withdraws_its_push(ros: None) -> None:
+    """The pushes that the plant had before are in its parameters again."""
+    had = {"clock": "lockstep", "pushes.times": [5.0], "pushes.arm": [1.0]}
+    plant = PlantNode([Parameter(name, value=value) for name, value in had.items()])
+    page, spinning = LivePage(PageServer()), SpinningThread([plant])
+    before = plant.parameters.plant.pushes
+    page._link.push("pushes.arm", 2.0)
+    assert plant.parameters.plant.pushes.arm == (2.0,)
+    page.close()
+    assert plant.parameters.plant.pushes == before
+    spinning.close(TIMEOUT)
+    plant.destroy_node()
+
+
 NUMBERS = (0, -1, 1e308, -1e308, 2**70, float("nan"), float("inf"), True, None)
 PARTS = (
     *NUMBERS,
@@ -104,3 +120,4 @@ def test_what_a_page_sends_by_mistake_sets_nothing(ros: None) -> None:
     assert server.known.get("place") is None
     asyncio.run(page.run(iter([False, True]).__next__))
     page.close()
+    assert not page._failures

@@ -1,6 +1,7 @@
 """Without an optional package: one line that names it and what to install, not a traceback."""
 
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -52,6 +53,30 @@ def test_a_verb(
     assert remedy in line
     assert "Error" not in line
     assert not any(path.is_file() for path in tmp_path.rglob("*"))
+
+
+@pytest.mark.parametrize(
+    ("start", "module"),
+    [
+        ("furuta_bringup.main:main", "rclpy.experimental"),
+        ("furuta_control.executables:controller", "rclpy.experimental"),
+        ("furuta_bringup.main:main", "websockets.asyncio.server"),
+    ],
+)
+def test_an_old_package(start: str, module: str) -> None:
+    """That lacks a module is called old, not missing, in one line."""
+    imported, _, function = start.partition(":")
+    verb = ["furuta", "view", "--attach", "--no-open"]
+    script = (
+        f"import sys; sys.modules[{module!r}] = None; sys.argv = {verb}; "
+        f"from {imported} import {function}; {function}()"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    (line,) = done.stderr.splitlines()
+    assert re.match(r"error: .*needs (rclpy 7\.1\.4 .* or newer|a newer websockets)", line)
 
 
 def test_the_library(remove: Any) -> None:

@@ -279,7 +279,7 @@ class FurutaNode(Node, Generic[Group]):
     def warn(
         self, kind: str, text: str, period: float = WARNING_PERIOD, is_error: bool = False
     ) -> bool:
-        """Log a warning or an error, but only one of its kind in ``period`` [s]; whether it was logged.
+        """Log a warning or error, but only one of its kind in ``period`` [s]; whether it was.
 
         The logger's own throttle looks up its caller's source each time: 1 ms that a late loop does
         not have.

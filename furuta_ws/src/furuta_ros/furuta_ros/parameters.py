@@ -106,8 +106,9 @@ class NodeParameters(Generic[Group]):
                 declaration.name, declaration.default, _descriptor(declaration)
             )
         except InvalidParameterTypeException as error:
-            declaration.checked(self._node._parameter_overrides[declaration.name].value)
-            raise ParameterError(str(error)) from None
+            given, about = self._node._parameter_overrides[declaration.name], declaration.about
+            wanted = f"{declaration.name} must be {about.allowed}, given {shortened(given.value)}"
+            raise ParameterError(wanted if about.choices else str(error)) from None
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
         if not all(parameter.name for parameter in parameters):
@@ -214,12 +215,13 @@ class FurutaParameterService(ParameterService):
     ) -> SetParameters.Response:
         """Set all at once, or each by itself if that is refused."""
         messages = request.parameters
-        result = self._refusal() or self._change(messages)
-        # As many changes as the node has parameters take a moment, but no more than these.
-        is_separate = not result.successful and 1 < len(messages) <= len(self._get_node()._parameters)
-        response.results = [
-            self._change([message]) if is_separate else result for message in messages
-        ]
+        result = (refusal := self._refusal()) or self._change(messages)
+        # A request for more than all parameters could hold up the node for long.
+        most = len(self._get_node()._parameters)
+        if not result.successful and refusal is None and 1 < len(messages) <= most:
+            response.results = [self._change([message]) for message in messages]
+        else:
+            response.results = [result] * len(messages)
         return response
 
     def _set_parameters_atomically_callback(

@@ -125,7 +125,7 @@ class RunningRig:
         """Write the log, a row per sample, to an ``.npz`` file; returns the number of rows."""
         with self._lock:
             newest = self._logged % KEPT
-            oldest = self._log[newest:] if self._logged > KEPT else self._log[:0]
+            oldest = self._log[newest:] if self._logged >= KEPT else self._log[:0]
             table = np.concatenate((oldest, self._log[:newest]))
         columns: dict[str, Any] = dict(zip(COLUMNS, table.T, strict=True))
         with whole_file(path) as new:
