@@ -60,10 +60,13 @@ def test_no_message_surprises_a_node(
     for topic, kind in inputs.items():
         publisher = bench.probe.create_publisher(kind, topic, ALL)
         bench.spin(lambda publisher=publisher: publisher.get_subscription_count() > 0)
-        for message in (*odd(kind), *MALFORMED, good(kind)):
+        for data in MALFORMED:  # of some of them ROS itself calls no callback
+            is_sent(publisher, data)
+        bench.settle(0.02)
+        for message in (*odd(kind), good(kind)):
             before = handled[topic.strip("/")]
-            if is_sent(publisher, message):
-                bench.spin(lambda topic=topic, n=before: handled[topic.strip("/")] > n)
+            publisher.publish(message)
+            bench.spin(lambda topic=topic, n=before: handled[topic.strip("/")] > n)
     assert not failures
 
 
