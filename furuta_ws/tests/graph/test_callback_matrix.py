@@ -125,6 +125,7 @@ def test_a_graph_goes_on(ros: None, settings: Settings, monkeypatch: pytest.Monk
     assert {"PlantNode.on_command", "EstimatorNode.on_measurement", "LockStep._check"} <= failed
 
 
+@pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
 def test_a_rig_is_driven_or_stopped(
     ros: None, settings: Settings, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -74,8 +74,8 @@ def test_topics(bench: Bench, node: FurutaNode[Any]) -> None:
     """A late subscriber gets one message, the last; all topics are documented; it has a status."""
     statuses = bench.collect(DIAGNOSTICS)
     bench.wait_for_publisher(DIAGNOSTICS)
-    for publisher in node.publishers:
-        qos, topic = publisher.qos_profile, publisher.topic_name
+    for end in (*node.publishers, *node.subscriptions):
+        qos, topic = end.qos_profile, end.topic_name
         if topic in OF_ROS or topic.endswith("transition_event"):
             continue
         if qos.durability == QoSDurabilityPolicy.TRANSIENT_LOCAL:

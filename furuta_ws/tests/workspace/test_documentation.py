@@ -12,7 +12,15 @@ from sources import ROOT
 
 from furuta_bringup.main import furuta
 from furuta_recordings.series_columns import COLUMNS
-from furuta_ros.topics import ACTIVE_MODE, ARMED, CLOCK, INITIAL_STATE, TIMING, TOPICS
+from furuta_ros.topics import (
+    ACTIVE_MODE,
+    ARMED,
+    CLOCK,
+    DIAGNOSTICS,
+    INITIAL_STATE,
+    TIMING,
+    TOPICS,
+)
 
 PACKAGES = [file.parent for file in (ROOT / "furuta_ws" / "src").glob("*/package.xml")]
 CONTENTS = ROOT / "docs" / "README.md"
@@ -39,7 +47,7 @@ def test_page_of_topics_lists_every_topic_and_column() -> None:
     assert described == columns
     assert [row.split(" | ")[:2] for row in topics] == [
         [f"| `{topic.name}`", topic.type.replace("/msg/", "/")]
-        for topic in (*TOPICS, ACTIVE_MODE, ARMED, INITIAL_STATE, CLOCK, TIMING)
+        for topic in (*TOPICS, ACTIVE_MODE, ARMED, INITIAL_STATE, CLOCK, TIMING, DIAGNOSTICS)
     ]
 
 
