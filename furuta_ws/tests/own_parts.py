@@ -46,6 +46,11 @@ def array_counting(memory: Any, x: Any, p: Any) -> float:
     return p.friction.alpha0 * memory[1] / memory[0] + p.sample_time * x[3]
 
 
+def impossible(memory: Any, x: Any, p: Any) -> float:
+    """No F̂ that could be sent."""
+    return 1e9 if x[0] > 0.0 else nan
+
+
 def feedback(memory: Any, x: Any, friction: float, p: Any) -> float:
     """U = −Lx + F̂."""
     return -(p.l1 * x[0] + p.l2 * x[1] + p.l3 * x[2] + p.l4 * x[3]) + friction

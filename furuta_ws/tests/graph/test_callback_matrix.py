@@ -1,18 +1,17 @@
 """Every callback, task and transition fails once: the node lives on, or the rig stands at 0 V."""
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from time import monotonic
 from typing import Any
 
 import pytest
-from lifecycle_msgs.msg import Transition
-from rclpy.lifecycle import LifecycleState, TransitionCallbackReturn
-from rclpy.parameter import Parameter
+from bridge_bench import bridge
+from diagnostic_msgs.msg import DiagnosticStatus
 
-from furuta.settings.nodes import HARDWARE_BRIDGE, NODES
+from furuta.settings.nodes import NODES
 from furuta.settings.settings import Settings
-from furuta_bringup.graph.composed_graph import HardwareGraph, SimulatedGraph
+from furuta_bringup.graph.composed_graph import ComposedGraph, HardwareGraph, SimulatedGraph
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
 from furuta_hw.connection import rig_connection
 from furuta_ros.testing import Bench
@@ -21,6 +20,11 @@ from furuta_sim import lockstep
 # Logs, catches or ends what fails: not itself made to fail.
 MACHINERY = {"guarded", "report_failure", "warn", "destroy_node", "close", "summary"}
 MADE = "made to fail"
+# Some of the methods that must have failed, or this file tests nothing.
+FAILED = {
+    SimulatedGraph: {"PlantNode.on_command", "EstimatorNode.on_measurement", "LockStep._check"},
+    HardwareGraph: {"HardwareBridgeNode._receive", "Guard.measured", "SerialProtocolDriver.decode"},
+}
 
 
 @pytest.mark.parametrize("name", NODES)
@@ -44,153 +48,105 @@ def parts_of(thing: Any, known: set[type]) -> set[type]:
     return known
 
 
-def methods_of(kinds: set[type]) -> Iterator[tuple[type, str]]:
-    for kind in sorted(kinds, key=lambda kind: kind.__qualname__):
-        for name, value in vars(kind).items():
-            if inspect.isfunction(value) and not name.startswith("__") and name not in MACHINERY:
-                yield kind, name
-
-
 class Failing:
-    """Makes one of the methods of classes fail, once."""
+    """Makes the ``chosen`` one of all methods of classes fail, once."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, kinds: set[type]) -> None:
-        self.methods = list(methods_of(kinds))
-        self.chosen: tuple[type, str] | None = None
-        for kind, name in self.methods:
-            monkeypatch.setattr(kind, name, self._failing(kind, name, vars(kind)[name]))
+        self.chosen = ""
+        self.methods = []
+        for kind in kinds:
+            for name, value in list(vars(kind).items()):
+                is_plain = inspect.isfunction(value) and not name.startswith("__")
+                if is_plain and name not in MACHINERY:
+                    self.methods.append(f"{kind.__name__}.{name}")
+                    monkeypatch.setattr(kind, name, self._failing(self.methods[-1], value))
 
-    def _failing(self, kind: type, name: str, original: Callable[..., Any]) -> Callable[..., Any]:
+    def _failing(self, method: str, original: Callable[..., Any]) -> Callable[..., Any]:
         def call(*given: Any, **named: Any) -> Any:
-            if self.chosen == (kind, name):
-                self.chosen = None
+            if self.chosen == method:
+                self.chosen = ""
                 raise RuntimeError(MADE)
             return original(*given, **named)
 
-        call.__name__ = name
+        call.__name__ = original.__name__
         return call
 
 
-def spin(graph: Any, seconds: float, until: Callable[[], bool]) -> bool:
+def spin(graph: ComposedGraph, seconds: float, until: Callable[[], bool]) -> bool:
     end = monotonic() + seconds
     while not until() and monotonic() < end:
         graph.executor.spin_once(timeout_sec=0.005)
     return until()
 
 
-def fail_each(
-    graph: Any,
-    failing: Failing,
-    nodes: Any,
-    samples: Callable[[], int],
-    goes_on: Callable[[str], None],
-) -> set[str]:
-    """Let each method fail while timers and services of ``nodes`` are called; those that did."""
-    failed = set()
-    for kind, name in failing.methods:
-        failing.chosen = kind, name
-        for node in nodes:
-            for timer in node.timers:
-                timer.callback()
-            for service in node.services:
-                service.callback(service.srv_type.Request(), service.srv_type.Response())
-        end = samples() + 30
-        spin(graph, 1.0, lambda end=end: failing.chosen is None or samples() > end)
-        if failing.chosen is None:
-            failed.add(f"{kind.__name__}.{name}")
-        failing.chosen = None
-        goes_on(f"{kind.__name__}.{name}")
-    return failed
-
-
-def test_a_graph_goes_on(ros: None, settings: Settings, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each method of its nodes fails once, and the plant's time goes on."""
+@pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
+@pytest.mark.parametrize("kind", FAILED)
+def test_each_method_fails(
+    ros: None, settings: Settings, monkeypatch: pytest.MonkeyPatch, kind: type[ComposedGraph]
+) -> None:
+    """Of the nodes, of what they hold and of the driver: samples go on, and a rig is safe."""
     monkeypatch.setattr(lockstep, "REPEAT_AFTER", 0.02)
     monkeypatch.setattr(lockstep, "SETTLE_TIME", 0.02)
-    settings["plant"] |= {"clock": "lockstep"}
-    settings["friction_observer"] |= {"compensation": "recommended"}
-    graph = SimulatedGraph(settings)
-    kinds = set().union(*(parts_of(node, set()) for node in graph.nodes))
-    graph.close()
-    failing = Failing(monkeypatch, kinds)
-    graph = SimulatedGraph(settings)
-    spin(graph, 10.0, lambda: graph.plant.sample > 100)
-
-    def goes_on(what: str) -> None:
-        before = graph.plant.sample
-        assert spin(graph, 20.0, lambda: graph.plant.sample > before + 20), what
-
-    failed = fail_each(graph, failing, graph.nodes, lambda: graph.plant.sample, goes_on)
-    graph.close()
-    assert {"PlantNode.on_command", "EstimatorNode.on_measurement", "LockStep._check"} <= failed
-
-
-@pytest.mark.filterwarnings("error::pytest.PytestUnhandledThreadExceptionWarning")
-def test_a_rig_is_driven_or_stopped(
-    ros: None, settings: Settings, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Each method of the bridge, of what it holds and of the driver fails once."""
     monkeypatch.setattr(rig_connection, "RETRY_PERIOD", 0.1)
+    settings["plant"] |= {"clock": "lockstep"}
     settings["hardware_bridge"] |= {"port": "mock", "autostart": "active"}
-    graph = HardwareGraph(settings)
-    graph.bridge.start_up()
-    kinds = parts_of(graph.bridge, set())
+    settings["friction_observer"] |= {"compensation": "recommended"}
+
+    def started() -> tuple[ComposedGraph, Any]:
+        graph = kind(settings)
+        graph.node(kind.controlled).start_up()
+        return graph, graph.nodes[0]
+
+    graph, _ = started()
+    failing = Failing(monkeypatch, set().union(*(parts_of(node, set()) for node in graph.nodes)))
     graph.close()
-    failing = Failing(monkeypatch, kinds)
-    graph = HardwareGraph(settings)
-    bridge: Any = graph.bridge
-    bridge.start_up()
+    graph, node = started()
 
-    def is_sound() -> bool:
-        stands = bridge.guard.reason and bridge.connection._driver._port._rig.drive_volts == 0.0
-        return bool(bridge.guard.armed or stands)
+    def samples() -> int:
+        return int(node.sample if kind is SimulatedGraph else node.samples)
 
-    def goes_on(what: str) -> None:
-        before = bridge.samples
-        assert spin(graph, 20.0, lambda: bridge.samples > before and is_sound()), what
-        spin(graph, 1.0, lambda: not bridge.arm())
+    def is_safe() -> bool:
+        if kind is SimulatedGraph or node.guard.armed:
+            return True
+        return node.guard.reason and node.connection._driver._port._rig.drive_volts == 0.0
 
-    failed = fail_each(graph, failing, [], lambda: bridge.samples, goes_on)
+    failed = set()
+    for method in failing.methods:
+        failing.chosen = method
+        for each in graph.nodes:
+            for timer in each.timers:
+                timer.callback()
+            for service in each.services:
+                service.callback(service.srv_type.Request(), service.srv_type.Response())
+        before = samples()  # a reset leaves some out
+        spin(graph, 1.0, lambda n=before: not failing.chosen or samples() > n + 20)
+        failed |= set() if failing.chosen else {method}
+        before, failing.chosen = samples(), ""
+        assert spin(graph, 20.0, lambda n=before: samples() > n + 20 and is_safe()), method
+        if kind is HardwareGraph:
+            spin(graph, 1.0, lambda: not node.arm())
     graph.close()
-    assert {"HardwareBridgeNode._receive", "GuardedRig.samples", "Guard.measured"} <= failed
-    assert {"RigConnection.drive", "SerialProtocolDriver.decode"} <= failed
+    assert failed >= FAILED[kind]
 
 
 @pytest.mark.parametrize(
-    ("before", "transition", "method"),
+    ("before", "transition"),
     [
-        ("unconfigured", Transition.TRANSITION_CONFIGURE, "on_configure"),
-        ("inactive", Transition.TRANSITION_ACTIVATE, "on_activate"),
-        ("active", Transition.TRANSITION_DEACTIVATE, "on_deactivate"),
-        ("inactive", Transition.TRANSITION_CLEANUP, "on_cleanup"),
-        ("active", Transition.TRANSITION_ACTIVE_SHUTDOWN, "on_cleanup"),  # on_shutdown is the same
+        ("unconfigured", "configure"),
+        ("inactive", "activate"),
+        ("active", "deactivate"),
+        ("inactive", "cleanup"),
+        ("active", "shutdown"),
     ],
 )
 def test_a_transition_fails(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch, before: str, transition: int, method: str
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, before: str, transition: str
 ) -> None:
-    """The rig is not driven, the node says why, and its services answer."""
-    original, failures = getattr(HardwareBridgeNode, method), [RuntimeError(MADE)]
-
-    def fail_once(node: Any, state: LifecycleState) -> TransitionCallbackReturn:
-        if failures:
-            raise failures.pop()
-        return original(node, state)  # type: ignore[no-any-return]
-
-    fail_once.__name__ = method
-    for name in ("on_shutdown", "on_error") if method == "on_cleanup" else ():
-        monkeypatch.setattr(HardwareBridgeNode, name, fail_once)
-    monkeypatch.setattr(HardwareBridgeNode, method, fail_once)
-    given = {"port": "mock", "autostart": before}
-    node = bench.add(HardwareBridgeNode([Parameter(k, value=v) for k, v in given.items()]))
-    node.start_up()
-    request = node._service_change_state.srv_type.Request(transition=Transition(id=transition))
-    response = node._service_change_state.srv_type.Response()
-    node._service_change_state.callback(request, response)
-    assert not response.success
-    assert method in node.failure
-    assert MADE in node.failure
-    assert not node.guard.armed
-    assert node.connection is None
-    assert node.status().level != b"\0"
-    assert node.get_name() == HARDWARE_BRIDGE
+    """The line is closed, and log and status say why."""
+    failing = Failing(monkeypatch, {HardwareBridgeNode})
+    node = bridge(bench, autostart=before)
+    failing.chosen = f"HardwareBridgeNode.on_{transition}"
+    getattr(node, f"trigger_{transition}")()
+    assert (failing.chosen, node.guard.armed, node.connection) == ("", False, None)
+    assert MADE in node.status().message
+    assert node.status().level == DiagnosticStatus.ERROR

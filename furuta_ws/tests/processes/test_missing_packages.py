@@ -56,27 +56,24 @@ def test_a_verb(
 
 
 @pytest.mark.parametrize(
-    ("start", "module"),
+    ("module", "entry", "needed"),
     [
-        ("furuta_bringup.main:main", "rclpy.experimental"),
-        ("furuta_control.executables:controller", "rclpy.experimental"),
-        ("furuta_bringup.main:main", "websockets.asyncio.server"),
+        ("rclpy.experimental", "furuta_bringup.main:main", r"rclpy 7\.1\.4 of April 2025 or newer"),
+        ("rclpy.experimental", "furuta_control.controller_node:main", r"rclpy 7\.1\.4"),
+        ("websockets.asyncio.server", "furuta_bringup.main:main", "a newer websockets: pip"),
     ],
 )
-def test_an_old_package(start: str, module: str) -> None:
-    """That lacks a module is called old, not missing, in one line."""
-    imported, _, function = start.partition(":")
-    verb = ["furuta", "view", "--attach", "--no-open"]
+def test_an_old_package(module: str, entry: str, needed: str) -> None:
+    """It lacks a module: it is called old, not missing."""
     script = (
-        f"import sys; sys.modules[{module!r}] = None; sys.argv = {verb}; "
-        f"from {imported} import {function}; {function}()"
+        f"import sys; sys.modules[{module!r}] = None; sys.argv[1:] = ['view', '--attach']; "
+        f"from furuta_ros.process import run_entry; run_entry({entry!r})"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
+    start = [sys.executable, "-c", script]
+    done = subprocess.run(start, capture_output=True, text=True, check=False)
     (line,) = done.stderr.splitlines()
-    assert re.match(r"error: .*needs (rclpy 7\.1\.4 .* or newer|a newer websockets)", line)
+    assert done.returncode == 1
+    assert re.match(f"error: .* needs {needed}", line)
 
 
 def test_the_library(remove: Any) -> None:
