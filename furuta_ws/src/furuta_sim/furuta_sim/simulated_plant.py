@@ -56,7 +56,7 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         self.sample = self.start = 0
         self.period = round(self._rig.sample_time * NANOSECONDS)
         self.held, self._is_resetting = True, False
-        self._is_measured = False  # whether the current sample has been published
+        self._is_measured = False  # whether there is a measurement of the current sample
         self._memory, self._noise = initial_plant(self._rig), Noise(self._rig.seed)
         self._torque, self._message = 0.0, b""
         self._send = sender(self.create_publisher(MEASUREMENT.message, MEASUREMENT.name, QOS))
@@ -107,17 +107,20 @@ class SimulatedPlant(FurutaNode[PlantNodeParameters]):
         """Read the sensors and publish the measurement and the true state."""
         stamp = self.stamp
         measurement, truth = self._read(self._memory, self._noise(), self._torque, self._plant)
-        self._is_resetting, self._is_measured = False, True
+        self._is_resetting = False
         if stamp >= self._look_at:
             self._look_at, self._is_truth_wanted = stamp + LOOK_PERIOD, self._truth.is_wanted()
         if self._is_truth_wanted:
             self._truth.publish(joint_state_bytes(stamp, truth), stamp)
-        self._message = joint_state_bytes(stamp, measurement)
+        self._message, self._is_measured = joint_state_bytes(stamp, measurement), True
         self._send(self._message)
 
     def repeat_measurement(self) -> None:
-        """Publish the measurement of this sample again."""
-        self._send(self._message)
+        """Publish the measurement of this sample again, or now if that has failed."""
+        if self._is_measured:
+            self._send(self._message)
+        else:
+            self.publish_sample()
 
     def move(self, command: float) -> None:
         """Move the rig by one sample under ``command`` [V]."""
