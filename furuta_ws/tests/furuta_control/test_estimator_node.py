@@ -7,9 +7,9 @@ from typing import Any
 from rclpy.parameter import Parameter
 
 from furuta_control.estimator_node import EstimatorNode
-from furuta_ros.node import MAX_AGE
+from furuta_ros.node import LATCHED, MAX_AGE
 from furuta_ros.testing import Bench, joint_state
-from furuta_ros.topics import JOINT_STATES, MEASUREMENT
+from furuta_ros.topics import ARMED, JOINT_STATES, MEASUREMENT
 
 MS = 1_000_000
 
@@ -28,13 +28,20 @@ def test_repeated_measurement_is_answered_alike_without_a_step(bench: Bench) -> 
 
 
 def test_a_measurement_that_waited_is_ignored_in_real_time(bench: Bench) -> None:
-    """It says where the rig was; with simulated time it is answered however late."""
+    """It says where the rig was; with simulated time it is answered however late.
+
+    Time beside a rig is not simulated, whoever publishes it.
+    """
     node = bench.add(EstimatorNode())
     states = bench.collect(JOINT_STATES)
     measurement = bench.publisher(MEASUREMENT)
     measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 1))
     sleep(2 * MAX_AGE)
     bench.spin(lambda: len(states) == 1)
+    rig = bench.probe.create_publisher(ARMED.message, ARMED.name, LATCHED)
+    bench.spin(lambda: not node.time_is_simulated())
+    bench.probe.destroy_publisher(rig)
+    bench.spin(node.time_is_simulated)
     bench.probe.destroy_publisher(bench.clock)
     measurement.publish(joint_state((0.0, 0.0, 0.1, nan), 2))
     sleep(2 * MAX_AGE)
