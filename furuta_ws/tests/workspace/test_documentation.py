@@ -12,15 +12,7 @@ from sources import ROOT
 
 from furuta_bringup.main import furuta
 from furuta_recordings.series_columns import COLUMNS
-from furuta_ros.topics import (
-    ACTIVE_MODE,
-    ARMED,
-    CLOCK,
-    DIAGNOSTICS,
-    INITIAL_STATE,
-    TIMING,
-    TOPICS,
-)
+from furuta_ros.topics import ACTIVE_MODE, ARMED, CLOCK, DIAGNOSTICS, INITIAL_STATE, TIMING, TOPICS
 
 PACKAGES = [file.parent for file in (ROOT / "furuta_ws" / "src").glob("*/package.xml")]
 CONTENTS = ROOT / "docs" / "README.md"
