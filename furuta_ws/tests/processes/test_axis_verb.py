@@ -144,26 +144,3 @@ def test_a_servo_of_which_only_goal_and_position_are_logged(furuta: Any, tmp_pat
     for name, true in (("inertia", 1e-3), ("friction", 0.05), ("viscous", 0.05)):
         assert abs(found[name] - true) < 4.0 * found["standard_errors"][name] + 0.02 * true, name
     assert found["units"]["friction"] == "rad"
-
-
-def test_options_that_contradict_each_other(furuta: Any) -> None:
-    several = ("--identify", "x.csv", "--joint", "a", "--joint", "b")
-    for arguments, words in (
-        ((*several, "--pid", "1", "0", "0"), "several joints have no common controller"),
-        ((*several, "--prove"), "--prove needs a controller"),
-        ((*AXIS, "--pid", "1", "2", "0", "--save", "a.yaml"), "--save needs what is identified"),
-        ((*AXIS, "--pid", "1", "2", "0", "--lead", "1mm"), "give --identify FILE"),
-        ((*AXIS, "--pid", "1,2,0"), "requires 3 arguments, separated by blanks (see furuta axis"),
-        ((*AXIS, "--counts", "many", "--pid", "1", "2", "0"), "such as 4096 or 1000/mm"),
-        (("--identify", "x.csv", "--moving", "b"), "give one --identify FILE and one --joint"),
-        (
-            ("--identify", "x.csv", "--pid", "1", "2", "0", "--moving", "b"),
-            "no controller, picture or joint file with --moving",
-        ),
-        (
-            ("--identify", "x.csv", "--identify", "y.csv", "--goal", "g"),
-            "--goal: give one --identify",
-        ),
-    ):
-        status, _, err = furuta("axis", *arguments)
-        assert (status, words in err) == (2, True), err

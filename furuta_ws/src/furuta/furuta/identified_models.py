@@ -67,8 +67,15 @@ def identify(
     options = Options(zero, window, angles, command_scale, direction, ceiling, report)
     given, others = numbered(given), numbered(list(validate))
     if not any(len(recording.command) for recording in given):
-        if others or laws:
-            raise ParameterError("free swings give no model: leave out validate and laws")
+        of_model = {
+            "zero": zero != "auto",
+            "direction": direction != AUTO_DIRECTION,
+            "command_scale": command_scale != 1.0,
+            **{"ceiling": ceiling is not None, "window": window is not None},
+            **{"validate": bool(others), "laws": laws},
+        }
+        if used := [name for name, is_given in of_model.items() if is_given]:
+            raise ParameterError(f"free swings give no model: leave out {', '.join(used)}")
         return FreeSwing(identify_free_swing(given, options))
     model = rigs.identify(given, options)
     held_out = rigs.held_out(model, others, options)

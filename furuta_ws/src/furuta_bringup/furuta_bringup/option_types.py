@@ -19,17 +19,17 @@ class OutputFile(click.Path):
 
     def __init__(self, *suffixes: str) -> None:
         super().__init__(dir_okay=False, path_type=Path)
-        self._suffixes = suffixes
+        self.suffixes = suffixes
 
     def get_metavar(self, param: click.Parameter, ctx: click.Context | None = None) -> str:
         """What help shows for the value."""
-        return f"FILE.({'|'.join(suffix[1:] for suffix in self._suffixes)})"
+        return f"FILE.({'|'.join(suffix[1:] for suffix in self.suffixes)})"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
         """The path."""
         path = Path(str(super().convert(value, param, ctx)))
-        if path.suffix.lower() not in self._suffixes:
-            self.fail(f"{value} does not end in {', '.join(self._suffixes)}.", param, ctx)
+        if path.suffix.lower() not in self.suffixes:
+            self.fail(f"{value} does not end in {', '.join(self.suffixes)}.", param, ctx)
         return path
 
 

@@ -4,7 +4,7 @@ Help shows them without numerical code: what computes is imported when a verb ru
 """
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial, wraps
 from pathlib import Path
@@ -16,7 +16,7 @@ from furuta_bringup.option_types import FIGURE, PATH, FiniteRange
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.friction.names import LAWS
 from furuta_model.parameters import ParameterError, suggestion
-from furuta_recordings.readers import Mapping
+from furuta_recordings.readers import Mapping as Names
 from furuta_ros.middleware import ros_domain
 from furuta_ros.one_graph import full_namespace
 from furuta_ros.time_stamps import MOST_SECONDS
@@ -47,10 +47,56 @@ class HelpfulGroup(click.Group):
         return super().resolve_command(ctx, args)
 
 
+class Option(click.Option):
+    """An option that declares with which others it has an effect; it is refused otherwise.
+
+    It ``needs`` one of some others, has no effect ``not_with`` some, and is not repeated
+    ``once_with`` some. They are given as on the command line, with a value or without:
+    "--running", "--command none".
+    """
+
+    def __init__(
+        self,
+        *args: Any,
+        needs: Sequence[str] = (),
+        not_with: Sequence[str] = (),
+        once_with: Sequence[str] = (),
+        **settings: Any,
+    ) -> None:
+        super().__init__(*args, **settings)
+        self.needs, self.not_with, self.once_with = needs, not_with, once_with
+
+    def handle_parse_result(
+        self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]
+    ) -> tuple[Any, list[str]]:
+        """The value, unless the other options leave it without effect."""
+        if self.name in opts and not ctx.resilient_parsing:
+            self._refuse_without_effect(ctx, opts)
+        return super().handle_parse_result(ctx, opts, args)
+
+    def _refuse_without_effect(self, ctx: click.Context, opts: Mapping[str, Any]) -> None:
+        named = {text: each.name for each in ctx.command.params for text in each.opts}
+
+        def first_of(others: Sequence[str]) -> str:
+            for other in others:
+                name, _, value = other.partition(" ")
+                if named[name] in opts and value in ("", opts[named[name]]):
+                    return other
+            return ""
+
+        own = self.opts[0]
+        if self.needs and not first_of(self.needs):
+            ctx.fail(f"{own} needs {' or '.join(self.needs)}")
+        if other := first_of(self.not_with):
+            ctx.fail(f"{own} cannot be combined with {other}")
+        if self.multiple and len(opts[self.name or ""]) > 1 and (other := first_of(self.once_with)):
+            ctx.fail(f"{own} can be given only once with {other}")
+
+
 def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Function]:
-    """An option whose help shows its default, if it has one."""
+    """An :class:`Option` whose help shows its default, if it has one."""
     shown = settings.get("default") not in (None, "")
-    return click.option(*names, help=help, show_default=shown, **settings)
+    return click.option(*names, cls=Option, help=help, show_default=shown, **settings)
 
 
 # Pendulum time [s] of a simulation, and of one that is measured after its transients.
@@ -59,9 +105,9 @@ MEASURED_SECONDS = FiniteRange(5, 3600)
 SEED = click.IntRange(0, 2**62)
 
 
-def figure_option(drawn: str) -> Callable[[Function], Function]:
+def figure_option(drawn: str, **rules: Sequence[str]) -> Callable[[Function], Function]:
     """``--figure FILE``, which draws the result."""
-    return option("--figure", type=FIGURE, help=drawn)
+    return option("--figure", type=FIGURE, help=drawn, **rules)
 
 
 def model_options(function: Function) -> Function:
@@ -177,13 +223,19 @@ def _namespace(ctx: click.Context, param: click.Parameter, value: str) -> str:
         raise click.BadParameter(str(error)) from None
 
 
-namespace_option = click.option(
-    "--namespace",
-    default="",
-    metavar="NAME",
-    callback=_namespace,
-    help="ROS namespace of the graph.",
-)
+def namespaced(**rules: Sequence[str]) -> Callable[[Function], Function]:
+    """``--namespace NAME``."""
+    return option(
+        "--namespace",
+        default="",
+        metavar="NAME",
+        callback=_namespace,
+        help="ROS namespace of the graph.",
+        **rules,
+    )
+
+
+namespace_option = namespaced()
 
 
 @contextmanager
@@ -209,8 +261,8 @@ def names_options(function: Function) -> Function:
 
     @wraps(function)
     def with_names(*args: Any, **others: Any) -> Any:
-        given = {name: others.pop(f"{name}_name") for name in Mapping._fields}
-        return function(*args, names=Mapping(**given), **others)
+        given = {name: others.pop(f"{name}_name") for name in Names._fields}
+        return function(*args, names=Names(**given), **others)
 
     for name, text in (
         ("time", "Column of the time in a table."),

@@ -65,20 +65,29 @@ def printable(text: str) -> str:
     return escaped(text[:LONGEST_LINE] + (" ..." if len(text) > LONGEST_LINE else ""))
 
 
-def show(result: Any, as_json: bool, figure: Path | None = None, **more: Any) -> None:
-    """Print a result, or values by name, as one JSON object or as text; draw its ``figure``.
+def show(
+    result: Any,
+    as_json: bool,
+    figure: Path | None = None,
+    drawn: Result | None = None,
+    **more: Any,
+) -> None:
+    """Print a result, or values by name, as one JSON object or as text; draw a ``figure``.
 
-    ``more`` are values that only the JSON object has.
+    The figure is that of ``drawn``, by default of the result. What cannot be drawn is printed all
+    the same. ``more`` are values that only the JSON object has.
     """
-    if figure is not None:
-        draw(result, figure)
-        more["figure"] = str(figure)
-    if as_json:
-        print_json((result if type(result) is dict else result.to_dict()) | more)
-        return
-    print_text(values_text(result) if type(result) is dict else result.report())
-    if figure is not None:
-        print_text(values_text({"figure": str(figure)}))
+    if not as_json:
+        print_text(values_text(result) if type(result) is dict else result.report())
+    try:
+        if figure is not None:
+            draw(drawn or result, figure)
+            more["figure"] = str(figure)
+            if not as_json:
+                print_text(values_text({"figure": str(figure)}))
+    finally:
+        if as_json:
+            print_json((result if type(result) is dict else result.to_dict()) | more)
 
 
 def draw(result: Result, path: Path) -> None:

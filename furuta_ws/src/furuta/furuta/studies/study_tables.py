@@ -15,6 +15,7 @@ import numpy as np
 
 from furuta.outcomes import Outcome
 from furuta_model.parameters import ParameterError
+from furuta_recordings.suffixes import TABLE_SUFFIXES
 from furuta_recordings.table_files import parquet_library, write_parquet_rows
 from furuta_ros.whole_files import whole_file
 
@@ -28,7 +29,9 @@ OUTCOME: dict[str, type] = {**get_type_hints(Outcome), "error": str}
 
 def check_table(out: Path) -> None:
     """Reject a file that exists, or whose format cannot be written."""
-    if out.suffix == ".parquet":
+    if out.suffix.lower() not in TABLE_SUFFIXES:
+        raise ParameterError(f"{out} does not end in {', '.join(TABLE_SUFFIXES)}")
+    if out.suffix.lower() == ".parquet":
         parquet_library()
     if out.exists():
         raise ParameterError(f"{out} already exists; name another file with --out")
@@ -43,7 +46,7 @@ def write_runs(rows: Iterable[Mapping[str, Any]], out: Path) -> None:
     first = next(rows)
     every = chain([first], rows)
     with whole_file(out) as new:
-        if out.suffix == ".parquet":
+        if out.suffix.lower() == ".parquet":
             types = {name: OUTCOME.get(name, type(value)) for name, value in first.items()}
             write_parquet_rows(new, types, every)
         else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,13 @@ import click
 
 from furuta_bringup.options import figure_option, json_option
 from furuta_bringup.printing import bar, show, with_status
-from furuta_bringup.verbs.axis_options import controller_options, number_options, recording_options
+from furuta_bringup.verbs.axis_options import (
+    IN_ARM,
+    SERVO,
+    controller_options,
+    number_options,
+    recording_options,
+)
 from furuta_recordings.readers import read_axis
 from furuta_recordings.readers.mapping import NO_COMMAND
 
@@ -19,17 +25,12 @@ if TYPE_CHECKING:
     from furuta import Recording
     from furuta.results.identified import AxisFit, AxisFits, JointFit
 
-# Options of each way to describe an axis, by their names in Python.
-OF_NUMBERS = ("inertia", "friction")
-OF_CONTROLLER = ("law", "speed", "counts", "sample_time", "prove")
-OF_RECORDING = ("force", "joints", "moving", "urdf", "goal", "save")
-
 
 @click.command()
 @number_options
 @controller_options
 @recording_options
-@figure_option("Draw the motion and the error, and what was identified.")
+@figure_option("Draw the motion and the error, and what was identified.", not_with=IN_ARM + SERVO)
 @json_option
 def command(
     inertia: float | None,
@@ -57,8 +58,11 @@ def command(
     from furuta.results.identified import AxisFit
     from furuta_model.friction.text import friction_from_text
 
-    given = {"inertia": inertia, "friction": friction, **others}
-    is_controlled = _refuse_combinations(given, records, pid, cascade, bool(read.keywords), figure)
+    is_controlled = pid is not None or cascade is not None
+    if not records and inertia is None:
+        raise click.UsageError("give either --inertia and --friction, or --identify FILE")
+    if not records and not is_controlled:
+        raise click.UsageError("give the controller: either --pid or --cascade")
     law, save, force = (others[name] for name in ("law", "save", "force"))
     about = {name: others[name] for name in ("counts", "sample_time", "prove")}
     if records:
@@ -87,52 +91,6 @@ def command(
         study.write(save)
 
 
-def _refuse_combinations(
-    given: Mapping[str, Any],
-    records: Sequence[Path],
-    pid: Any,
-    cascade: Any,
-    has_columns: bool,
-    figure: Path | None,
-) -> bool:
-    """Raise for options that do not belong together; otherwise whether there is a controller."""
-    if pid is not None and cascade is not None:
-        raise click.UsageError("give either --pid or --cascade")
-    is_controlled = pid is not None or cascade is not None
-    if bool(records) == any(given[name] is not None for name in OF_NUMBERS) or (
-        not records and None in (given["inertia"], given["friction"])
-    ):
-        raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    if not records:
-        if has_columns or (used := _used(given, OF_RECORDING)):
-            used = "the columns of a recording" if has_columns else used
-            raise click.UsageError(f"{used} needs what is identified: give --identify FILE")
-        if not is_controlled:
-            raise click.UsageError("give the controller: either --pid or --cascade")
-    if not is_controlled and (used := _used(given, OF_CONTROLLER)):
-        raise click.UsageError(f"{used} needs a controller: give --pid or --cascade")
-    in_arm = bool(given["moving"]) or given["urdf"] is not None
-    if in_arm or given["goal"] is not None:
-        if in_arm and given["goal"] is not None:
-            raise click.UsageError("a servo is identified alone: give --goal or --moving")
-        about = "--moving and --urdf" if in_arm else "--goal"
-        if is_controlled or figure or given["save"]:
-            raise click.UsageError(f"no controller, picture or joint file with {about}")
-        if len(records) != 1 or (in_arm and len(given["joints"]) != 1):
-            one = f"give one --identify FILE{' and one --joint' * in_arm}"
-            raise click.UsageError(f"{about}: {one}")
-    elif len(given["joints"]) > 1 and is_controlled:
-        raise click.UsageError("several joints have no common controller")
-    return is_controlled
-
-
-def _used(given: Mapping[str, Any], names: Iterable[str]) -> str:
-    """The first of the options that is given; empty if none is."""
-    spelled = {"speed": "--reference-speed", "joints": "--joint", "sample_time": "--sample-time"}
-    used = [name for name in names if given[name] not in (None, (), False)]
-    return spelled.get(used[0], f"--{used[0]}") if used else ""
-
-
 def _identified(
     read: partial[Recording],
     records: Sequence[Path],
@@ -150,10 +108,8 @@ def _identified(
     clock = read.keywords.get("time")
     if goal is not None:
         column = read.keywords.get("position")
-        position, wanted = (
-            read_axis(first, each, NO_COMMAND, time=clock) for each in (column, goal)
-        )
-        return identify_servo(position, wanted)
+        position = read_axis(first, column, NO_COMMAND, joint=joint, time=clock)
+        return identify_servo(position, read_axis(first, goal, NO_COMMAND, time=clock))
     if moving or urdf is not None:
         named = [each.partition("=") for each in moving]
         others = [

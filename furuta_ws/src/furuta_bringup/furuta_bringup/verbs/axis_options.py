@@ -3,12 +3,11 @@
 from collections.abc import Callable
 from functools import partial, wraps
 from math import pi
-from pathlib import Path
 from typing import Any, cast
 
 import click
 
-from furuta_bringup.option_types import PATH, FiniteRange
+from furuta_bringup.option_types import PARAMETER_FILE, PATH, FiniteRange
 from furuta_bringup.options import Function, option
 from furuta_model.friction.names import ANALYSED_LAWS
 from furuta_model.friction.parameters import Friction
@@ -23,17 +22,17 @@ class Length(click.ParamType):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """The length [m]; a number alone is one already."""
+        """The length [m]."""
         from furuta_recordings.readers.columns import LENGTH_UNITS
 
         text = str(value).strip().lower()
         unit = next((u for u in sorted(LENGTH_UNITS, key=len)[::-1] if text.endswith(u)), "")
         try:
-            size = float(text.removesuffix(unit)) * LENGTH_UNITS.get(unit, 1.0)
-        except ValueError:
+            size = float(text.removesuffix(unit)) * LENGTH_UNITS[unit]
+        except (ValueError, KeyError):
             size = -1.0
         if not 0.0 <= size < 10.0:
-            self.fail(f"'{value}' is not a length such as 10mm or 0.01m", param, ctx)
+            self.fail(f"'{value}' is not a length with its unit, such as 10mm or 0.01m", param, ctx)
         return size
 
 
@@ -55,6 +54,12 @@ class Counts(click.ParamType):
         return counts
 
 
+# Who has what an option needs, or leaves it without effect.
+CONTROLLER = ("--pid", "--cascade")
+RECORDING = ("--identify",)
+IN_ARM = ("--moving", "--urdf")
+SERVO = ("--goal",)
+
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 # Options that only a recording has, by their names in Python.
@@ -73,10 +78,19 @@ def _together(*options: Callable[[Function], Function]) -> Callable[[Function], 
 
 
 number_options = _together(
-    option("--inertia", type=ABOVE, metavar="J", help="Inertia [kg m²], or mass [kg]."),
+    option(
+        "--inertia",
+        type=ABOVE,
+        metavar="J",
+        needs=("--friction",),
+        not_with=RECORDING,
+        help="Inertia [kg m²], or mass [kg].",
+    ),
     option(
         "--friction",
         metavar="NAME=VALUE,...",
+        needs=("--inertia",),
+        not_with=RECORDING,
         help=f"Friction parameters: {', '.join(Friction._fields)} [N m, rad/s].",
     ),
 )
@@ -85,6 +99,7 @@ controller_options = _together(
     option(
         "--law",
         type=click.Choice(ANALYSED_LAWS),
+        needs=CONTROLLER,
         help="Friction law; default: stribeck, or stiction if the recording shows stiction.",
     ),
     option(
@@ -92,6 +107,7 @@ controller_options = _together(
         type=GAIN,
         nargs=3,
         metavar="KP KI KD",
+        not_with=("--cascade", *IN_ARM, *SERVO),
         help="PID [N m/rad, N m/(rad s), N m s/rad].",
     ),
     option(
@@ -99,6 +115,7 @@ controller_options = _together(
         type=GAIN,
         nargs=3,
         metavar="K KV KI",
+        not_with=(*IN_ARM, *SERVO),
         help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].",
     ),
     option(
@@ -106,22 +123,26 @@ controller_options = _together(
         "speed",
         type=FiniteRange(-1e6, 1e6),
         metavar="V",
+        needs=CONTROLLER,
         help="Speed of the reference [rad/s]; default: 0.",
     ),
     option(
         "--counts",
         type=Counts(),
+        needs=CONTROLLER,
         help="Encoder counts per turn, or per length such as 1000/mm; 0 for a perfect encoder; "
         "default: those of the recording, or 4096.",
     ),
     option(
         "--sample-time",
         type=FiniteRange(1e-6, 0.1),
+        needs=CONTROLLER,
         help="Time between samples [s]; default: that of the recording, or 0.001.",
     ),
     option(
         "--prove",
         is_flag=True,
+        needs=CONTROLLER,
         help="Prove the limit cycle in interval arithmetic, for the law stiction (needs "
         "python-flint).",
     ),
@@ -134,14 +155,22 @@ _recording_options = _together(
         type=PATH,
         metavar="FILE",
         multiple=True,
+        once_with=(*IN_ARM, *SERVO),
         help="Identify inertia and friction from a table or bag with time, position and "
         "torque; repeatable. Give no controller to do only this.",
     ),
-    option("--force", is_flag=True, help="Use an identification that is not usable."),
-    option("--position", metavar="COLUMN", help="Column of the position."),
+    option(
+        "--force",
+        is_flag=True,
+        needs=RECORDING,
+        help="Use an identification that is not usable.",
+    ),
+    option("--position", metavar="COLUMN", needs=RECORDING, help="Column of the position."),
     option(
         "--command",
         metavar="COLUMN",
+        needs=RECORDING,
+        not_with=SERVO,
         help="Column or topic of the drive's torque, current or voltage; default in a bag: "
         "the joint's effort.",
     ),
@@ -150,12 +179,16 @@ _recording_options = _together(
         "joints",
         metavar="NAME",
         multiple=True,
+        needs=RECORDING,
+        once_with=(*CONTROLLER, *IN_ARM, *SERVO, "--position", "--command"),
         help="Joint to use if a bag has several; repeatable, to identify each of them.",
     ),
     option(
         "--moving",
         metavar="NAME[=COLUMN]",
         multiple=True,
+        needs=("--joint",),
+        not_with=SERVO,
         help="Another joint of the arm that moves in the recording; repeatable. Identifies "
         "the friction of --joint alone.",
     ),
@@ -163,31 +196,39 @@ _recording_options = _together(
         "--urdf",
         type=PATH,
         metavar="FILE",
+        needs=("--joint",),
+        not_with=SERVO,
         help="Geometry of the arm, with joints that are named as --joint and --moving.",
     ),
     option(
         "--goal",
         metavar="COLUMN",
+        needs=RECORDING,
         help="Column of the goal of a servo with a position loop of its own, in the unit of "
         "the position. Identifies the servo in units of that loop's stiffness.",
     ),
     option(
         "--torque-constant",
         type=FiniteRange(),
+        needs=RECORDING,
+        not_with=SERVO,
         help="Torque or force per unit of the column of --command; default: 1.",
     ),
-    option("--time", metavar="COLUMN", help="Column of the time."),
+    option("--time", metavar="COLUMN", needs=RECORDING, help="Column of the time."),
     option(
         "--lead",
         type=Length(),
         metavar="LENGTH",
+        needs=RECORDING,
+        not_with=SERVO,
         help="Way per turn of the motor, such as 10mm, if the position is a length and the "
         "drive a torque.",
     ),
     option(
         "--save",
-        type=click.Path(dir_okay=False, path_type=Path),
-        metavar="FILE.yaml",
+        type=PARAMETER_FILE,
+        needs=RECORDING,
+        not_with=(*IN_ARM, *SERVO),
         help="Write what is identified to a joint file: parameters of friction observers.",
     ),
 )

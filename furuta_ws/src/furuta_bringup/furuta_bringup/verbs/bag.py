@@ -7,7 +7,7 @@ import click
 
 from furuta_bringup.option_types import PATH, SERIES, FiniteRange
 from furuta_bringup.options import HelpfulGroup, figure_option, json_option, names_options, option
-from furuta_bringup.printing import draw, show, with_progress, with_status
+from furuta_bringup.printing import show, with_progress, with_status
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping
 from furuta_ros.time_stamps import NANOSECONDS
@@ -58,19 +58,14 @@ def export(bag: Path, out: Path | None, figure: Path | None, names: Mapping, as_
 
     if out is None and figure is None:
         raise click.UsageError("give --out FILE or --figure FILE")
-    files = {}
     with with_status(f"reading {bag}", as_json) as tell:
         series, findings = series_with_findings(bag, names)
         if out is not None:
             tell(f"writing {out}")
             series.write(out)
-            files["file"] = str(out)
-        if figure is not None:
-            tell(f"drawing {figure}")
-            draw(series, figure)
-            files["figure"] = str(figure)
+    file = {"file": str(out)} if out is not None else {}
     about = {"rows": series.rows, "columns": list(series), "findings": findings}
-    show(files | about, as_json)
+    show(file | about, as_json, figure, drawn=series)
 
 
 @command.command()

@@ -20,14 +20,18 @@ from furuta_bringup.options import (
     rig_option,
 )
 from furuta_bringup.printing import bar, show
-from furuta_model.parameters import ParameterError
 
 # Number of random rigs, unless the user says so.
 RIGS = 100
 
 
 @click.command()
-@option("--truths", is_flag=True, help="Compare on the built-in named rigs, and list each of them.")
+@option(
+    "--truths",
+    is_flag=True,
+    not_with=("--rigs", "--disturb", "--seed", "--bandwidths"),
+    help="Compare on the built-in named rigs, and list each of them.",
+)
 @option(
     "--rigs",
     "number",
@@ -106,8 +110,6 @@ def command(
     """
     from furuta import compare, make_loop
 
-    if truths and number is not None:
-        raise ParameterError("--rigs has no effect on the named rigs of --truths")
     found = compare(
         make_loop(assignments, rig=rig or None, files=files),
         texts or None,

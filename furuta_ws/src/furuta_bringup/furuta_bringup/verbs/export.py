@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from furuta_bringup.option_types import FiniteRange
-from furuta_bringup.options import HelpfulGroup, json_option, model_options
+from furuta_bringup.options import HelpfulGroup, json_option, model_options, option
 from furuta_bringup.printing import print_file, show, with_status
 
 if TYPE_CHECKING:
@@ -28,14 +28,20 @@ def command() -> None:
     help="Folder for loop.h, loop.c and loop_test.c, or axis.h, axis.c and axis_test.c.",
 )
 @click.option("--float", "single", is_flag=True, help="Numbers of 32 bits instead of 64.")
-@click.option(
+@option(
     "--axis",
     "joints",
     type=click.Path(path_type=Path),
     metavar="FILE",
+    not_with=("--rig", "--params", "--set"),
     help="Export a joint of this joint file instead of the pendulum's loop.",
 )
-@click.option("--joint", metavar="NAME", help="Joint of that file, if it has several.")
+@option(
+    "--joint",
+    metavar="NAME",
+    needs=("--axis",),
+    help="Joint of that file, if it has several.",
+)
 @model_options
 @json_option
 def c(
@@ -56,14 +62,10 @@ def c(
     from furuta import export_c, make_loop, read_joint_file
 
     if joints is not None:
-        if files or assignments:
-            raise click.UsageError("--axis takes all parameters from its file")
         given = read_joint_file(joints, joint)
         about = f"Joint {given.joint} of {joints.name}. V is the unit of its effort."
         with with_status("translating into C", as_json):
             written = export_c(given, out, single=single, origin=about)
-    elif joint is not None:
-        raise click.UsageError("--joint needs --axis FILE")
     else:
         rig, origin = _described(files)
         about = " ".join(["Control system of the Furuta pendulum.", *origin, *assignments])

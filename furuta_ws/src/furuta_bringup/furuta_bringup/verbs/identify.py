@@ -9,14 +9,15 @@ import click
 from furuta.identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS
 from furuta.identification.verdict import NO
 from furuta.results.text import values_text
-from furuta_bringup.option_types import PATH, FiniteRange
+from furuta_bringup.option_types import PARAMETER_FILE, PATH, FiniteRange
 from furuta_bringup.options import figure_option, json_option, names_options, option
 from furuta_bringup.printing import print_text, show, with_status
-from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import Mapping, read
 from furuta_recordings.readers.mapping import NO_COMMAND
 
 DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
+# A pendulum that swings freely gives no model of the arm and its drive.
+FREE = (f"--command {NO_COMMAND}",)
 
 
 def _zero(context: click.Context, param: click.Parameter, value: str) -> str | float:
@@ -38,6 +39,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     "--zero",
     callback=_zero,
     default="auto",
+    not_with=FREE,
     help="Pendulum position at which the angle is 0 (auto, upright, hanging), or the measured "
     "angle of the hanging pendulum in degrees.",
 )
@@ -45,6 +47,7 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     "--direction",
     type=click.Choice(list(DIRECTIONS)),
     default="auto",
+    not_with=FREE,
     help="Direction of the pendulum's angle: 1 if an upright pendulum falls in its negative "
     "direction when the arm accelerates in its positive one.",
 )
@@ -54,17 +57,20 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     type=FiniteRange(0.0, min_open=True),
     default=1.0,
     metavar="V",
+    not_with=FREE,
     help="Voltage of a command of 1 [V].",
 )
 @option(
     "--ceiling",
     type=FiniteRange(0.0, 1e3, min_open=True),
     metavar="V",
+    not_with=FREE,
     help="Highest voltage of the drive [V]; default: detected, if the data show it.",
 )
 @option(
     "--window",
     type=FiniteRange(0.05, 1e4),
+    not_with=FREE,
     help="Length of the segments that are simulated [s]; default: the whole recording, or 0.5 for "
     "a balanced pendulum.",
 )
@@ -74,23 +80,29 @@ def _zero(context: click.Context, param: click.Parameter, value: str) -> str | f
     multiple=True,
     type=PATH,
     metavar="PATH",
+    not_with=FREE,
     help="Recording to test the model on, which is not used for the fit; repeatable.",
 )
 @option(
     "--laws",
     is_flag=True,
+    not_with=FREE,
     help="Compare friction laws of the arm by how well they predict held-out recordings, or "
     "held-out halves of a single recording.",
 )
 @figure_option("Draw the arm's friction over speed, and the recordings, measured and fitted.")
 @option(
-    "--write", type=PATH, metavar="FILE.yaml", help="Write a rig file, for --rig of other commands."
+    "--write",
+    type=PARAMETER_FILE,
+    not_with=FREE,
+    help="Write a rig file, for --rig of other commands.",
 )
 @option(
     "--rig",
     "base",
     default="",
     metavar="NAME|FILE",
+    needs=("--write",),
     help="Rig from which --write takes sensors, line and limits; default: according to the "
     "recording.",
 )
@@ -121,13 +133,6 @@ def command(
     from furuta.results.rig_models import RigModel
     from furuta_hw.rigs.known_rigs import find_rig
 
-    if base and write is None:
-        raise ParameterError(
-            "--rig gives the sensors, line and limits of the rig that is written: "
-            "add --write FILE.yaml, or leave --rig out"
-        )
-    if names.command == NO_COMMAND and (write or validation_paths or laws):
-        raise ParameterError("free swings give no model: no --write, --validate, --laws")
     given = find_rig(base) if base else None
     with with_status("reading", as_json, lines=True) as report:
         result = identify(
@@ -143,10 +148,12 @@ def command(
             report=report,
         )
     written: dict[str, Any] = {}
-    if write and isinstance(result, RigModel) and result.verdict.usable != NO:
-        found = result.write(write, given, paths[0])
-        written = {"rig_file": str(write), "findings": [*result.to_dict()["findings"], *found]}
-    show(result, as_json, figure, **written)
+    try:
+        if write and isinstance(result, RigModel) and result.verdict.usable != NO:
+            found = result.write(write, given, paths[0])
+            written = {"rig_file": str(write), "findings": [*result.to_dict()["findings"], *found]}
+    finally:  # also if that fails
+        show(result, as_json, figure, **written)
     if written and not as_json:
         print_text(values_text({"rig_file": str(write), "sensors_of_rig": found}))
     result.verdict.require()

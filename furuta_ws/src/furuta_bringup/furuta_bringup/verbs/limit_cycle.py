@@ -37,7 +37,10 @@ QUARTER_TURN = 0.5 * pi
     "of the limit cycle. Given twice: map the limit cycles.",
 )
 @option(
-    "--predict", is_flag=True, help="Predict the limit cycle by the describing function instead."
+    "--predict",
+    is_flag=True,
+    not_with=("--over", "--linear", "--release"),
+    help="Predict the limit cycle by the describing function instead.",
 )
 @law_option
 @feedback_option
@@ -78,8 +81,8 @@ def command(
 
     if release == 0.0:
         raise click.UsageError("--release must not be 0")
-    if len(ranges) > 2 or (ranges and predict):
-        raise click.UsageError("--over is given once or twice, and not with --predict")
+    if len(ranges) > 2:
+        raise click.UsageError("--over is given once or twice")
     require_agreement(assignments, law_and_feedback(law, feedback))
     loop = make_loop(assignments, files=files)
     ideal: dict[str, Any] = {"law": law, "feedback": feedback, "linear": linear}

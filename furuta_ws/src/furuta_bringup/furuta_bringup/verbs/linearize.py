@@ -14,12 +14,16 @@ from furuta_bringup.options import (
     option,
 )
 from furuta_bringup.printing import show
-from furuta_model.parameters import ParameterError
 
 
 @click.command()
 @option("--nyquist", is_flag=True, help="Nyquist plot from -F to the arm's speed, eq. (10).")
-@option("--figure-4", is_flag=True, help="Nyquist plot of the four feedbacks of Fig. 4.")
+@option(
+    "--figure-4",
+    is_flag=True,
+    not_with=("--nyquist", "--feedback"),
+    help="Nyquist plot of the four feedbacks of Fig. 4.",
+)
 @option("--passivity", is_flag=True, help="Condition under which the LuGre observer converges.")
 @figure_option("Draw the Nyquist plot.")
 @feedback_option
@@ -49,8 +53,6 @@ def command(
     from furuta import linear_model, make_loop
     from furuta.settings.settings import law_and_feedback, require_agreement
 
-    if figure_4 and feedback is not None:
-        raise ParameterError("--figure-4 cannot be combined with --feedback")
     require_agreement(assignments, law_and_feedback(None, feedback))
     model = linear_model(
         make_loop(assignments, files=files),

@@ -14,7 +14,6 @@ from furuta_bringup.graph.scheduling import Scheduling
 from furuta_bringup.option_types import PATH, FiniteRange
 from furuta_bringup.options import namespace_option, option, parameter_options, rig_option
 from furuta_bringup.printing import with_status
-from furuta_model.parameters import ParameterError
 
 if TYPE_CHECKING:
     from furuta_bringup.graph.graph_plan import Graph
@@ -28,16 +27,34 @@ if TYPE_CHECKING:
     default="sim",
     help="Simulated plant or real rig.",
 )
-@option("--port", default="", metavar="PORT", help="Serial port of the rig; mock: an emulated rig.")
+@option(
+    "--port",
+    default="",
+    metavar="PORT",
+    needs=("--plant hardware",),
+    help="Serial port of the rig; mock: an emulated rig.",
+)
 @rig_option
-@option("--read-only", is_flag=True, help="Only read the rig; never drive it.")
+@option(
+    "--read-only",
+    is_flag=True,
+    needs=("--plant hardware",),
+    help="Only read the rig; never drive it.",
+)
 @option(
     "--lockstep",
     "clock",
     flag_value="lockstep",
+    not_with=("--plant hardware",),
     help="Run in lock-step, as fast as the machine allows.",
 )
-@option("--realtime", "clock", flag_value="realtime", help="Run in real time (default).")
+@option(
+    "--realtime",
+    "clock",
+    flag_value="realtime",
+    not_with=("--plant hardware",),
+    help="Run in real time (default).",
+)
 @option(
     "--without",
     multiple=True,
@@ -45,9 +62,20 @@ if TYPE_CHECKING:
     help="Leave out this node, so that your own can replace it; repeatable.",
 )
 @namespace_option
-@option("--processes", is_flag=True, help="Run each node in a process of its own.")
+@option(
+    "--processes",
+    is_flag=True,
+    not_with=("--seconds", "--priority", "--lock-memory"),
+    help="Run each node in a process of its own.",
+)
 @option("--record", type=PATH, metavar="DIR", help="Record a bag into this directory.")
-@option("--topic", "topics", multiple=True, help="Record only this topic; repeatable.")
+@option(
+    "--topic",
+    "topics",
+    multiple=True,
+    needs=("--record",),
+    help="Record only this topic; repeatable.",
+)
 @option(
     "--seconds",
     type=FiniteRange(0, 1e9, min_open=True),
@@ -72,10 +100,6 @@ def command(
     With --priority or --lock-memory, the command first prints whether the system granted it.
     """
     scheduling = Scheduling(priority or 0, lock_memory)
-    if processes and (seconds is not None or scheduling != Scheduling()):
-        raise ParameterError(
-            "--processes cannot be combined with --seconds, --priority or --lock-memory"
-        )
     with with_status("loading"):
         from furuta_bringup.graph.processes import run_processes
         from furuta_bringup.graph.run_composed import run_hardware, run_simulated
@@ -115,10 +139,6 @@ def planned_graph(
     from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
 
     hardware = plant == "hardware"
-    if hardware and clock:
-        raise ParameterError("a rig has its own clock: omit --lockstep and --realtime")
-    if not hardware and (port or read_only):
-        raise ParameterError("--port and --read-only need --plant hardware")
     end = None if hardware else seconds
     options = GraphOptions(hardware, rig, port, read_only, clock or "", without, namespace, end)
     return plan_graph(options, files, assignments)
@@ -129,8 +149,6 @@ def _recorder(
 ) -> MakeRecorder | None:
     """A function that makes the recorder, if there is something to record."""
     if path is None:
-        if topics:
-            raise ParameterError("--topic needs --record")
         return None
     from furuta_bringup.parameter_files import settings_file
     from furuta_recordings.bags.writer import check_new_bag

@@ -72,6 +72,8 @@ def command(
     began = perf_counter()
     run = simulate(loop, seconds, progress=bar("simulating", as_json))
     wall_seconds = perf_counter() - began
-    if out is not None:
-        run.write(out)
-    show(run, as_json, figure, wall_seconds=wall_seconds)
+    try:
+        if out is not None:
+            run.write(out)
+    finally:  # also if that fails
+        show(run, as_json, figure, wall_seconds=wall_seconds)

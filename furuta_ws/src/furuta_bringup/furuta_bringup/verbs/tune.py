@@ -14,11 +14,10 @@ from furuta_bringup.options import (
     figure_option,
     json_option,
     model_options,
-    namespace_option,
+    namespaced,
     option,
 )
 from furuta_bringup.printing import show, with_status
-from furuta_model.parameters import ParameterError
 from furuta_ros.whole_files import whole_file
 
 DEFAULT = TuningPlan()
@@ -29,9 +28,10 @@ GUARD = FiniteRange(0, min_open=True)
 @option(
     "--running",
     is_flag=True,
+    not_with=("--rig", "--params", "--set", "--own-parts"),
     help="Tune the running graph through its parameter services (default: a simulation).",
 )
-@namespace_option
+@namespaced(needs=("--running",))
 @option(
     "--seconds",
     type=SIMULATED_SECONDS,
@@ -42,6 +42,7 @@ GUARD = FiniteRange(0, min_open=True)
     "--follow",
     type=FiniteRange(0),
     default=0.0,
+    needs=("--running",),
     help="Watch the swing of the running graph for this pendulum time [s] after that, and search "
     "again whenever it has grown.",
 )
@@ -85,10 +86,6 @@ def command(
     """
     from furuta import make_loop, tune
 
-    if running and (files or assignments):
-        raise ParameterError("--running cannot be combined with --rig, --params or --set")
-    if (namespace or follow) and not running:
-        raise ParameterError(f"--{'namespace' if namespace else 'follow'} needs --running")
     report = _quiet if as_json else _report
     guards = {"arm_guard": arm_guard, "pendulum_guard": pendulum_guard}
     with with_status("tuning", as_json):
@@ -99,13 +96,15 @@ def command(
             tuned = tune_running(namespace, plan, report, follow)
         else:
             tuned = tune(make_loop(assignments, files=files), seconds, report, **guards)
-    if out is not None:
-        import yaml
+    try:
+        if out is not None:
+            import yaml
 
-        file = {node: {"ros__parameters": of} for node, of in tuned.parameters.items() if of}
-        with whole_file(out) as new:
-            new.write_text(yaml.safe_dump(file, sort_keys=False), encoding="utf-8")
-    show(tuned, as_json, figure)
+            file = {node: {"ros__parameters": of} for node, of in tuned.parameters.items() if of}
+            with whole_file(out) as new:
+                new.write_text(yaml.safe_dump(file, sort_keys=False), encoding="utf-8")
+    finally:  # also if that fails
+        show(tuned, as_json, figure)
 
 
 def _report(message: str, seconds: float) -> None:
