@@ -13,6 +13,7 @@ from furuta_recordings.readers import Mapping as Names
 from furuta_recordings.readers import is_bag, read
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import (
+    ANGLES,
     COLUMNS,
     COMMAND,
     MEASURED,
@@ -96,12 +97,12 @@ def series_with_findings(path: Path, names: Names | None = None) -> tuple[Series
     if is_bag(path):
         return _bag_series(path, names)
     columns = read_columns(path) if path.suffix.lower() in SUFFIXES else {}
-    if TIME in columns and len(columns.keys() & COLUMNS.keys()) > 1:
+    if names == Names() and TIME in columns and columns.keys() & ANGLES:
         chosen = {name: columns[name] for name in COLUMNS if name in columns}
         if any(values.shape != (len(chosen[TIME]),) for values in chosen.values()):
             raise ParameterError(f"{path}: its series have different lengths")
         return Series(chosen), []
-    if {"state", "estimate", "time"} <= columns.keys():
+    if names == Names() and {"state", "estimate", "time"} <= columns.keys():
         return _simulation_file(path, columns), []
     return _recorded_series(read(path, names))
 

@@ -34,7 +34,8 @@ def cleaned(
     if driven and THETA in joints:
         _refuse_other_units(recording)
     _interpolate_missing_speeds(recording)
-    gap = float(np.max(np.diff(recording.time)))
+    within_runs = ~np.isin(recording.time[1:], recording.begins)
+    gap = float(np.max(np.diff(recording.time)[within_runs], initial=0.0))
     if gap > LONGEST_GAP * recording.interval:
         return recording.noting(
             f"dropout of {gap:.3f} s; the median interval is {recording.interval * 1e3:.2f} ms"

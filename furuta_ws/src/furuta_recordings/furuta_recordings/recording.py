@@ -24,7 +24,8 @@ class Recording(NamedTuple):
     ``number`` are excerpts of one run. ``findings`` say how the content was interpreted. ``joint``
     names the only joint of the recording of an axis, ``units`` are those of its position and of its
     torque; ``position_unit`` is the unit that the file has for the position, with its size in them.
-    ``start`` is when ``time`` is 0 [s], by the clock of the file.
+    ``start`` is when ``time`` is 0 [s], by the clock of the file; where that begins anew, the next
+    run ``begins`` [s] a little after the one before.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Recording(NamedTuple):
     units: tuple[str, str] = ("rad", "N m")
     position_unit: tuple[str, float] = ("rad", 1.0)
     start: float = 0.0
+    begins: tuple[float, ...] = ()
 
     def noting(self, finding: str) -> Recording:
         """With one more finding, which begins with the name."""

@@ -46,6 +46,8 @@ COLUMNS = {
     COMMAND: Column("V", "command u of the controller"),
     **TRUE,
 }
+# One of these tells a table of series from another one, which may share a name or two.
+ANGLES = {name for name in COLUMNS if name.endswith(("phi_rad", "theta_rad"))}
 
 
 def by_name(names: Iterable[str], values: np.ndarray) -> Series:

@@ -8,8 +8,8 @@ from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
-# Time [s] without a sample, or step back in time, that separates two runs: the motion before does
-# not determine the motion after.
+# Time [s] without a sample that separates two runs: the motion before does not determine the motion
+# after. Readers put runs of which the clock begins anew one after the other, further apart.
 PAUSE = 0.5
 # Shortest run [s] and fewest samples worth a fit.
 SHORTEST_RUN = 1.5
@@ -24,8 +24,7 @@ MOVING_PART = 0.3
 
 def split_into_runs(recording: Recording) -> list[Recording]:
     """The runs in a recording, usually only itself."""
-    steps = np.diff(recording.time)
-    cuts = np.flatnonzero((steps > PAUSE) | (steps < -PAUSE)) + 1
+    cuts = np.flatnonzero(np.diff(recording.time) > PAUSE) + 1
     if not len(cuts):
         return [recording]
     runs = _runs(recording, cuts)
@@ -62,22 +61,10 @@ def _is_usable(run: Recording) -> bool:
 
 
 def _command_bounds(recording: Recording, cuts: np.ndarray) -> list[int]:
-    """Where the commands of each run start, and the end.
-
-    Commands are in the order of the log, as samples are, so they are cut at the same places.
-    """
-    time, command_time = recording.time, recording.command_time
-    bounds = [0]
-    for cut in cuts:
-        before, after = time[cut - 1], time[cut]
-        rest = command_time[bounds[-1] :]
-        if after > before:
-            # The command before a pause may belong to another run: none is carried over.
-            beyond = np.flatnonzero(rest > after)
-        else:
-            beyond = np.flatnonzero(np.diff(rest, prepend=rest[:1]) < -PAUSE)
-        bounds.append(bounds[-1] + int(beyond[0]) if len(beyond) else len(command_time))
-    return [*bounds, len(command_time)]
+    """Where the commands of each run start, and the end."""
+    # The command before a pause may belong to another run: none is carried over.
+    bounds = np.searchsorted(recording.command_time, recording.time[cuts])
+    return [0, *map(int, bounds), len(recording.command_time)]
 
 
 def excerpts_of(run: Recording, most_samples: int) -> list[Recording]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -26,12 +27,24 @@ def read(path: Path, mapping: Mapping) -> Recording:
     if not path.exists():
         raise ParameterError(f"no recording {path}")
     if table.is_simulation(path):
+        _refuse(
+            path, mapping, mapping._fields, "the arrays of a simulation have names of their own"
+        )
         return with_usable_times(table.read_simulation(path))
     if is_bag(path):
         from furuta_recordings.readers.bag import read_bag
 
+        _refuse(path, mapping, ("time",), "a bag has no columns")
         return with_usable_times(read_bag(path, mapping))
+    _refuse(path, mapping, ("states",), "a table has no topics")
     return with_usable_times(table.read_table(path, mapping))
+
+
+def _refuse(path: Path, mapping: Mapping, names: Iterable[str], reason: str) -> None:
+    """Raise if the user gives one of the names, which has no effect on such a file."""
+    for name in names:
+        if getattr(mapping, name) is not None:
+            raise ParameterError(f"{path}: {reason}; leave out --{name}")
 
 
 def read_axis(

@@ -8,8 +8,10 @@ import numpy as np
 
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, RIGID_STATES, THETA
+from furuta_recordings.cleaning import LARGEST_UNORDERED_PART
 from furuta_recordings.readers.columns import ANGLE_UNITS, COUNT_UNITS
 from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import PAUSE
 from furuta_ros.topics import JOINTS
 
 # Part of the samples of either joint that have both, below which the joints come in turn.
@@ -20,6 +22,8 @@ MARGIN = 0.01
 ROUND = 100.0
 # Part of the travel from which a step may be an overflow.
 LARGE = 0.5
+# Time [s] between two runs of one file.
+RUNS_APART = 2.0 * PAUSE
 
 
 class Joint(NamedTuple):
@@ -47,6 +51,8 @@ def recording_of(
 
     Of a single joint the recording is that of the arm alone. Times begin with the first sample.
     """
+    command_time, command = commands
+    time, command_time, runs = _one_after_the_other(name, time, command_time)
     measured = np.full((len(time), RIGID_STATES), np.nan)
     told = [text for text in findings if text]
     names = JOINTS if len(joints) > 1 else ("axis",)
@@ -66,15 +72,60 @@ def recording_of(
         raise ParameterError(f"{name}: no {reason}")
     if np.sum(rows) < len(rows):
         told.append(f"{len(rows) - np.sum(rows)} of {len(rows)} rows hold no position")
+    if len(begins := np.flatnonzero(np.diff(runs[rows])) + 1):
+        told.append(f"the time begins anew: {len(begins) + 1} runs, taken one after the other")
     start = time[rows][0]
-    command_time, command = commands
-    given = np.isfinite(command) & np.isfinite(command_time)
+    given = np.flatnonzero(np.isfinite(command) & np.isfinite(command_time))
+    given = given[np.argsort(command_time[given], kind="stable")]
+    time = time[rows] - start
     recording = Recording(
-        name, time[rows] - start, measured[rows], command_time[given] - start, command[given]
-    )._replace(start=float(start))
+        name, time, measured[rows], command_time[given] - start, command[given]
+    )._replace(start=float(start), begins=tuple(time[begins].tolist()))
     for text in told:
         recording = recording.noting(text)
     return recording
+
+
+def _one_after_the_other(
+    name: str, time: np.ndarray, command_time: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Times of samples and commands, and the number of the run of each sample (n,).
+
+    A run whose clock begins anew follows the one before. Samples and commands are in the order of
+    the log, so both begin anew equally often. Times that are in disorder stay as they are.
+    """
+    runs, driven = _run_numbers(time), _run_numbers(command_time)
+    again, also = (int(np.max(numbers, initial=0)) for numbers in (runs, driven))
+    if again > LARGEST_UNORDERED_PART * len(time):
+        return time, command_time, np.zeros(len(time), int)
+    if np.any(np.isfinite(command_time)) and again != also:
+        raise ParameterError(
+            f"{name}: the time of the samples begins anew {again} times, that of the commands "
+            f"{also} times; split the file into its runs"
+        )
+    time, command_time, end = time.copy(), command_time.copy(), -np.inf
+    for run in range(again + 1 if again else 0):
+        own, with_own = runs == run, driven == run
+        begin = float(np.nanmin(time[own]))
+        shift = end + RUNS_APART - begin if run else 0.0
+        time[own] += shift
+        begin, end = begin + shift, float(np.nanmax(time[own]))
+        # A command before the first sample acts from that on, one after the last on no sample.
+        command_time[with_own] = np.clip(
+            command_time[with_own] + shift, begin if run else None, end + 0.5 * RUNS_APART
+        )
+    return time, command_time, runs
+
+
+def _run_numbers(time: np.ndarray) -> np.ndarray:
+    """How often the time has begun anew before each row (n,).
+
+    Steps back within :data:`PAUSE` are those of messages that overtook each other.
+    """
+    known = np.isfinite(time)
+    numbers = np.zeros(len(time), int)
+    numbers[known] = np.cumsum(np.diff(time[known], prepend=time[known][:1]) < -PAUSE)
+    return np.maximum.accumulate(numbers)
 
 
 def _merge(measured: np.ndarray, time: np.ndarray, known: Sequence[np.ndarray]) -> np.ndarray:

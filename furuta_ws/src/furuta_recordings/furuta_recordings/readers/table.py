@@ -34,7 +34,7 @@ from furuta_recordings.readers.columns import (
 from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of, only_one
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
-from furuta_recordings.series_columns import COMMAND, ESTIMATED, MEASURED, TIME, TRUE
+from furuta_recordings.series_columns import ANGLES, COMMAND, MEASURED, TIME
 from furuta_recordings.table_files import read_columns
 from furuta_recordings.table_files import read_table as table_of
 
@@ -50,7 +50,7 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     """A recording from a table; rows without time or angle belong to the command alone."""
     table = table_of(path)
     columns = table.columns
-    if TIME in columns and mapping == Mapping() and columns.keys() & {*MEASURED, *ESTIMATED, *TRUE}:
+    if TIME in columns and mapping == Mapping() and columns.keys() & ANGLES:
         mapping = _exported(table)
     clock = clock_column(table, mapping.time)
     names, about_joints = _joints(table, mapping, clock)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from furuta_model.parameters import ParameterError
+from furuta_recordings.cleaning import LARGEST_UNORDERED_PART
 from furuta_recordings.csv_columns import DATE, DAY_TIME, INSTANT, Table
 from furuta_recordings.readers.columns import (
     TIME_UNITS,
@@ -105,8 +106,10 @@ def seconds(table: Table, name: str) -> tuple[np.ndarray, str]:
     typical = float(np.median(np.abs(known)))
     within = next((word for word in column(name).words if word in ("ms", "us", "ns")), "s")
     scale = next((s for least, s in EPOCHS.items() if typical > least), TIME_UNITS[within])
-    interval = scale * float(np.median(np.abs(np.diff(known)))) if len(known) > 1 else 0.0
-    if interval > LONGEST_INTERVAL:
+    steps = np.diff(known, append=known[-1])
+    interval = scale * float(np.median(np.abs(steps)))
+    # The order of rows in disorder is refused later, where it matters.
+    if interval > LONGEST_INTERVAL and np.mean(steps < 0.0) < LARGEST_UNORDERED_PART:
         raise ParameterError(
             f"{table.path}: the median interval in column {name} is {interval:g} s; if it is not "
             "in seconds, add its unit to the name, as in time_ms"
