@@ -5,7 +5,8 @@ observed, and the lag that is known of the drive. The level of the friction it l
 swing is the arm's estimated angle, peak to peak, which a real rig provides too.
 
 1. The motion is measured as it is, then with the recommended setting.
-2. While the swing is too large, other bandwidths are tried, then other lags with the best one.
+2. While the swing is large, it is measured without compensation too. While it is too large, other
+   bandwidths are tried, then other lags with the best one.
 3. A trial counts as small enough, by default a count of the encoder, only after a longer
    measurement. Otherwise the best one is measured once more. If the motion as it was is not worse,
    nothing changes.
@@ -61,6 +62,8 @@ LAGS, DIFFERENT = (0.006, 0.012, 0.025), 0.2
 SCALES = 0.7, 1.4, 2.0, 0.5
 # Swing, relative to the best one, below which a trial is better, and from which it is given up.
 BETTER, GROWN = 0.9, 1.3
+# Swing in counts of the encoder from which no compensation may be better.
+LARGE = 2.0
 # Swing in the second half of a measurement, relative to all, below which it begins again.
 DECAYING = 0.5
 
@@ -181,7 +184,12 @@ class Tuner:
         return Trial(RECOMMENDED, scale, lag, changed)
 
     def _search(self) -> None:
-        """Try other bandwidths, then other lags, until the swing is small enough."""
+        """Try none, other bandwidths, then other lags, until the swing is small enough."""
+        tried = any(trial.name == NONE for trial in self._trials)
+        if self._best().swing > LARGE * self._count and not tried and self._has_time(LONGEST):
+            observer = self._start.observer._replace(compensation=NONE)
+            none = self._start._replace(observer=observer)
+            self._try(self._as_it_is._replace(name=NONE, compensation=none))
         for scale in SCALES:
             self._try_new(scale, self._best(RECOMMENDED).lag)
         for lag in LAGS:
