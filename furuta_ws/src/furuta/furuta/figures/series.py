@@ -97,8 +97,9 @@ def draw_demo(
 ) -> Any:
     """Draw one column per phase and one row per signal; a row has one scale.
 
-    The title has the swing in the row of the phase, and a band is one count of the arm's encoder.
-    The friction is shown for a shorter time, so that its estimate can be told from it.
+    The title has the swing in the row of the phase, which is measured for longer than is shown. A
+    band is one count of the arm's encoder. The friction is shown for a shorter time, so that its
+    estimate can be told from it.
     """
     shape = (len(COLUMNS), len(phases))
     figure, axes = axes_for(axes, *shape, sharey="row", figsize=(17, 8.5))
@@ -113,7 +114,7 @@ def draw_demo(
         }
         for axis, label in zip(column, COLUMNS, strict=True):
             _draw_row(axis, label, shown.time, series)
-        column[0].set_title(_title(phase.compensation, row["phi_peak_to_peak_rad"]))
+        column[0].set_title(_title(row))
         middle = 0.5 * (np.min(shown.state[:, PHI]) + np.max(shown.state[:, PHI]))
         ends = middle - 0.5 * encoder_count, middle + 0.5 * encoder_count
         column[0].axhspan(*ends, color=ARM, alpha=0.15, lw=0, label="one encoder count")
@@ -136,11 +137,11 @@ def _same(one: np.ndarray, other: np.ndarray) -> bool:
     return bool(np.nanmax(np.abs(one - other), initial=0.0) <= SAME * np.ptp(one))
 
 
-def _title(compensation: str, swing: float) -> str:
+def _title(row: Mapping[str, Any]) -> str:
     """What a phase of the demo is called, its figure in the paper, and how far the arm swings."""
-    title = (TITLES | OF_PHASES)[compensation]
-    figure = f" ({PHASES[compensation]})" * bool(PHASES[compensation])
-    return f"{title}{figure}\n{angle(swing)}"
+    title, figure = (TITLES | OF_PHASES)[row["compensation"]], PHASES[row["compensation"]]
+    swing = f"{angle(row['phi_peak_to_peak_rad'])} in {row['measured_seconds']:g} s"
+    return f"{title}{f' ({figure})' * bool(figure)}\n{swing}"
 
 
 def _draw_row(axis: Any, label: str, time: np.ndarray, series: Mapping[str, np.ndarray]) -> None:

@@ -17,8 +17,8 @@ PHASES["recommended"] = ""
 # tuned.
 SECONDS = 60.0
 SCALES = (0.5, 0.71, 1.0, 1.41, 2.0, 2.83)
-# Part of each phase that is transient; the rest is evaluated.
-TRANSIENT = 0.75
+# The end of each phase is measured: so long [s], but at most this part of it.
+MEASURED_SECONDS, MEASURED_PART = 30.0, 0.75
 
 
 class Phase(NamedTuple):
@@ -34,7 +34,8 @@ def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]
     """Amplitude, period, control effort and speed of each phase, from the recorded true state."""
     rows = []
     for phase in phases:
-        settled = recorded.between(phase.start + TRANSIENT * (phase.end - phase.start), phase.end)
+        measured = min(MEASURED_SECONDS, MEASURED_PART * (phase.end - phase.start))
+        settled = recorded.between(phase.end - measured, phase.end)
         oscillation = measure_oscillation(settled.state, float(np.diff(settled.time).mean()))
         rows.append(
             {
@@ -45,6 +46,7 @@ def evaluate(phases: list[Phase], recorded: RecordedRun) -> list[dict[str, Any]]
                 "command_rms_v": float(np.sqrt(np.mean(settled.command**2))),
                 "samples": len(recorded.between(phase.start, phase.end).time),
                 "sim_seconds": phase.end - phase.start,
+                "measured_seconds": measured,
                 "wall_seconds": phase.wall_seconds,
             }
         )

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 @click.command()
 @option(
-    "--seconds", type=MEASURED_SECONDS, default=20.0, help="Simulated time per compensation [s]."
+    "--seconds",
+    type=MEASURED_SECONDS,
+    default=40.0,
+    help="Simulated time per compensation [s]; of its end at most 30 s are measured.",
 )
 @option(
     "--out",
