@@ -45,6 +45,9 @@ def test_a_table_is_checked_before_the_runs(
     (tmp_path / "a.csv").touch()
     with pytest.raises(ParameterError, match="already exists"):
         check_table(tmp_path / "a.csv")
+    for name in ("a.mat", "a.npz", "a.xlsx", "a"):
+        with pytest.raises(ParameterError, match=r"does not end in \.csv, \.parquet"):
+            check_table(tmp_path / name)
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     with pytest.raises(ParameterError, match="need pyarrow"):
         check_table(tmp_path / "a.parquet")

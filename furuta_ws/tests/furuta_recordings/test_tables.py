@@ -10,7 +10,17 @@ from scipy.io import savemat
 
 from furuta_model.parameters import ParameterError
 from furuta_recordings.cleaning import cleaned
+from furuta_recordings.csv_columns import DATE, DAY_TIME, HOUR_TIME, INSTANT
 from furuta_recordings.readers import Mapping, read, read_axis
+from furuta_recordings.readers.columns import (
+    ANGLE_UNITS,
+    AXIS_UNITS,
+    COMMAND_UNITS,
+    DRIVE_UNITS,
+    POSITION_UNITS,
+    SPEED_UNITS,
+    TIME_UNITS,
+)
 from furuta_recordings.recording import Recording
 
 TIME = np.arange(200) * 0.005
@@ -73,36 +83,54 @@ def test_a_table_of_any_make(tmp_path: Path, text: str | bytes) -> None:
     assert_same(recording_of(tmp_path, text))
 
 
-DEG, RPM = np.pi / 180.0, 2.0 * np.pi / 60.0
+UNITS = {
+    "time": TIME_UNITS,
+    "arm/position": ANGLE_UNITS,
+    "arm/velocity": SPEED_UNITS,
+    "pendulum/position": ANGLE_UNITS,
+    "command": COMMAND_UNITS,
+}
+# Units of a time that are names of forms, such as a date.
+FORMS = {DATE, DAY_TIME, HOUR_TIME, INSTANT}
 
 
 @pytest.mark.parametrize(
-    ("header", "scales", "mapping"),
-    [
-        (
-            "Time [ms],Arm Angle [deg],Arm Speed [rpm],Pendulum Angle [rad],"
-            "Pendulum Speed (deg/s),Voltage [mV]",
-            (1e-3, DEG, RPM, 1.0, DEG, 1e-3),
-            NO_NAMES,
-        ),
-        (
-            "micros,motor arm position_deg,motor arm speed_rpm,pole_angle_rad,pole_angle_dot,u",
-            (1e-6, DEG, RPM, 1.0, 1.0, 1.0),
-            Mapping("motor arm", "pole"),
-        ),
-        (
-            "time,arm position,arm speed,pendulum position,pendulum speed,command\n"
-            "(ms),(deg),rpm,[rad],deg/s,mV",
-            (1e-3, DEG, RPM, 1.0, DEG, 1e-3),
-            NO_NAMES,
-        ),
-    ],
+    ("name", "unit"), [(name, u) for name, units in UNITS.items() for u in units if u not in FORMS]
 )
-def test_units_and_names(
-    tmp_path: Path, header: str, scales: tuple[float, ...], mapping: Mapping
-) -> None:
-    """Units in brackets or at the end of a name; names of several words."""
-    assert_same(recording_of(tmp_path, table(header, scales), mapping))
+def test_every_unit(tmp_path: Path, name: str, unit: str) -> None:
+    """In brackets, in capitals, at the end of a name and below it, with the columns turned."""
+    names = HEADER.split(",")
+    scales = tuple(UNITS[name][unit] if each == name else 1.0 for each in names)
+    headers = [f"{name} [{unit}]", f"{name.upper()} ({unit.upper()})"]
+    if unit[0].isalpha():
+        headers.append(f"{name}_{unit.replace('/', '_per_')}")
+    for header in headers:
+        lines = table(HEADER.replace(name, header), scales).splitlines()
+        turned = "\n".join(",".join(line.split(",")[::-1]) for line in lines)
+        assert_same(recording_of(tmp_path, turned))
+    below = ",".join(unit if each == name else "" for each in names)
+    assert_same(recording_of(tmp_path, table(f"{HEADER}\n{below}", scales)))
+
+
+@pytest.mark.parametrize("drive", DRIVE_UNITS)
+@pytest.mark.parametrize("unit", POSITION_UNITS)
+def test_every_unit_of_an_axis(tmp_path: Path, unit: str, drive: str) -> None:
+    """A torque acts on a length through a lead, a force on an angle through a radius."""
+    of, acts = AXIS_UNITS[unit], AXIS_UNITS[drive]
+    lead = 0.01 if (of, acts) == ("m", "N m") else 0.0
+    radius = 2.0 if (of, acts) == ("rad", "N") else 1.0
+    header, columns = f"time,position [{unit}],torque [{drive}]", (TIME, STATE[:, 0], VOLTS)
+    found = axis_of(tmp_path, columns, header, lead=lead, torque_constant=radius)
+    size = POSITION_UNITS[unit] * (2.0 * np.pi / lead if lead else 1.0)
+    assert found.position_unit == (unit, pytest.approx(size))
+    np.testing.assert_allclose(found.measured[:, 0], size * STATE[:, 0])
+    np.testing.assert_allclose(found.command, radius * DRIVE_UNITS[drive] * VOLTS)
+
+
+def test_names_of_several_words(tmp_path: Path) -> None:
+    header = "micros,motor arm position_deg,motor arm speed_rpm,pole_angle_rad,pole_angle_dot,u"
+    scales = (1e-6, np.pi / 180.0, 2.0 * np.pi / 60.0, 1.0, 1.0, 1.0)
+    assert_same(recording_of(tmp_path, table(header, scales), Mapping("motor arm", "pole")))
 
 
 @pytest.mark.parametrize(
@@ -173,12 +201,14 @@ AXIS = "time,position_rad,torque"
 COUNTS = np.round(3000.0 * np.sin(4.0 * TIME)).astype(int)
 
 
-def axis_of(path: Path, columns: tuple[Any, ...], header: str = AXIS, sep: str = ",") -> Recording:
+def axis_of(
+    path: Path, columns: tuple[Any, ...], header: str = AXIS, sep: str = ",", **units: float
+) -> Recording:
     """The recording of an axis from these columns of text."""
     rows = (sep.join(map(str, row)) for row in zip(*columns, strict=True))
     file = path / "axis.csv"
     file.write_text("\n".join([header.replace(",", sep), *rows]))
-    return read_axis(str(file), position="counts" if "counts" in header else None)
+    return read_axis(str(file), "counts" if ",counts," in header else None, **units)
 
 
 def test_what_stands_between_names_and_numbers_is_told(tmp_path: Path) -> None:
@@ -187,27 +217,6 @@ def test_what_stands_between_names_and_numbers_is_told(tmp_path: Path) -> None:
     (tmp_path / "log.csv").write_text(text.replace("Offset", "Unit offset"))
     with pytest.raises(ParameterError, match="line 5: leave one line above them"):
         read_axis(tmp_path / "log.csv")
-
-
-@pytest.mark.parametrize(
-    ("header", "lead", "size"),
-    [
-        ("time,position [deg],torque", 0.0, ("deg", np.pi / 180.0)),
-        ("time,position [mm],force [N]", 0.0, ("mm", 1e-3)),
-        ("time,position [mm],torque [Nm]", 0.01, ("mm", 0.2 * np.pi)),
-        ("time,position [meters],force [N]", 0.0, ("meters", 1.0)),
-        ("time,position,torque", 0.0, ("rad", 1.0)),
-    ],
-)
-def test_unit_of_the_recorded_position(
-    tmp_path: Path, header: str, lead: float, size: tuple[str, float]
-) -> None:
-    rows = [f"{t:.3f},{x},{u}" for t, x, u in zip(TIME, STATE[:, 0], VOLTS, strict=True)]
-    (tmp_path / "log.csv").write_text("\n".join([header, *rows]))
-    found = read_axis(tmp_path / "log.csv", lead=lead)
-    assert found.position_unit[0] == size[0]
-    assert found.position_unit[1] == pytest.approx(size[1])
-    np.testing.assert_allclose(found.measured[:, 0], size[1] * STATE[:, 0])
 
 
 def test_a_second_name_below_is_no_unit(tmp_path: Path) -> None:

@@ -142,8 +142,8 @@ def in_si(table: Table, name: str | None, units: Mapping[str, float]) -> np.ndar
 def joint_names(columns: Iterable[str]) -> list[str]:
     """Names of joints in columns such as /joint_states/NAME/position, NAME_angle, `Name angle`.
 
-    The joint is all but the last word of the path's last part. A part that is only the word for
-    the angle belongs to the joint that is named before it.
+    The joint is all but the last word of the path's last part, in lower case. A part that is only
+    the word for the angle belongs to the joint that is named before it.
     """
     names: dict[str, None] = {}
     for name in columns:
@@ -151,7 +151,7 @@ def joint_names(columns: Iterable[str]) -> list[str]:
         if len(words) > 1 and words[-1] in ANGLE_WORDS:
             parts = [part for part in name.replace(".", "/").split("/") if part]
             own = column(parts[-1]).words
-            names["_".join(own[:-1]) or parts[-2]] = None
+            names["_".join(own[:-1]) or parts[-2].lower()] = None
     return list(names)
 
 
