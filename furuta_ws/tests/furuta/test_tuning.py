@@ -133,6 +133,15 @@ def test_no_gain_is_an_answer() -> None:
         assert not any(as_it_was.parameters.values())
 
 
+def test_no_compensation_is_found() -> None:
+    """Where the recommended one swings behind a late drive, and there is no friction."""
+    true = loop_with("plant.drive.delay=10", "plant.drive.lag=0.015", *NO_FRICTION, RECOMMENDED)
+    result = tune_simulated(true, TuningPlan(), silent)
+    assert result.before.swing > 2.0 * ENCODER_COUNT
+    assert result.after.name == "none"
+    assert swing(true, result) < 0.3 * ENCODER_COUNT
+
+
 def test_what_a_late_drive_needs_is_found() -> None:
     """From the limit cycle of the uncompensated pendulum to about a count."""
     true = loop_with(*LATE, *level(1.0))
