@@ -169,15 +169,3 @@ def test_each_row_keeps_its_command(tmp_path: Path, rig: Columns, change: str) -
     found = furuta.load_series(tmp_path / "log.csv")
     np.testing.assert_array_equal(found["command_v"], both["command"])
     assert np.all(np.diff(found["time_s"]) > 0.0)
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".npz", ".mat", ".parquet"])
-def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
-    if suffix == ".parquet":
-        pytest.importorskip("pyarrow")
-    series = furuta.simulate(seconds=1.0).series()
-    series.write(tmp_path / f"series{suffix}")
-    found = furuta.load_series(tmp_path / f"series{suffix}")
-    assert list(found) == list(series)
-    for name, values in series.items():
-        np.testing.assert_array_equal(found[name], values)

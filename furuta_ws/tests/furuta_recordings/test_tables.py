@@ -159,18 +159,6 @@ def test_what_cannot_be_read_says_what_to_do(tmp_path: Path, text: str | bytes, 
     assert "\n" not in str(caught.value)
 
 
-def test_times_that_decrease_or_repeat(tmp_path: Path) -> None:
-    """Repeated rows are dropped, rows in the wrong order refused."""
-    lines = table().splitlines()
-    twice = [lines[0], *(line for line in lines[1:] for _ in range(2))]
-    found = cleaned(recording_of(tmp_path, "\n".join(twice)))
-    np.testing.assert_allclose(found.time, TIME, atol=1e-9)
-    assert "200 of 400 samples dropped" in found.findings[-1]
-    backward = [lines[0], *reversed(lines[1:])]
-    with pytest.raises(ParameterError, match="sort them by time"):
-        cleaned(recording_of(tmp_path, "\n".join(backward)))
-
-
 EXPORTED = (
     "time_s,measured_phi_rad,measured_phi_dot_rad_s,measured_theta_rad,estimated_phi_rad,command_v"
 )

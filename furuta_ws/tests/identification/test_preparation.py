@@ -23,6 +23,7 @@ from furuta.identification.regression.first_estimate import first_estimate
 from furuta.identification.regression.speeds import speed_lag, with_speeds
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
+from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording
 from furuta_recordings.splitting import EXCERPT, EXCERPTS, excerpts_of, split_into_runs
 
@@ -121,17 +122,19 @@ def test_several_runs_in_one_log_are_split(usual: Recording) -> None:
     first, short = usual.between(0.0, 3.0), usual.between(0.0, 0.5)
     both = Recording(
         "both",
-        np.concatenate((first.time + 100.0, usual.time, short.time + 50.0)),
+        np.concatenate((first.time, usual.time + 100.0, short.time + 200.0)),
         np.concatenate((first.measured, usual.measured, short.measured)),
-        np.concatenate((first.command_time + 100.0, usual.command_time)),
+        np.concatenate((first.command_time, usual.command_time + 100.0)),
         np.concatenate((first.command, usual.command)),
     )
     runs = split_into_runs(both)
     assert [run.name for run in runs] == ["both (1)", "both (2)"]
     np.testing.assert_array_equal(runs[0].command, first.command)
-    np.testing.assert_array_equal(runs[1].command_time, usual.command_time)
+    np.testing.assert_array_equal(runs[1].command_time, usual.command_time + 100.0)
     assert "2 of 3 runs used" in runs[0].findings[0]
     assert split_into_runs(first) == [first]
+    with pytest.raises(ParameterError, match="or give each run as a recording of its own"):
+        cleaned(both._replace(time=both.time % 100.0))
 
 
 def test_long_recordings_are_fitted_in_excerpts() -> None:

@@ -50,14 +50,6 @@ def test_prediction_takes_parameters_and_feedback(furuta: Any, tmp_path: Path) -
     assert rates == pytest.approx([0.03208, -0.03208], abs=1e-5)
 
 
-def test_limit_cycle(furuta: Any, tmp_path: Path) -> None:
-    picture = tmp_path / "cycle.png"
-    result = answer(furuta("limit-cycle", "--json", "--figure", picture))
-    assert (result["kind"], result["stable"]) == ("limit_cycle", True)
-    assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=5e-4)
-    assert picture.read_bytes().startswith(PNG)
-
-
 def test_a_map_has_corners_that_are_impossible(furuta: Any) -> None:
     ranges = ("--over", "omega1=-2:7:2", "--over", "omega2=-2:5:2")
     rows = answer(furuta("limit-cycle", *ranges, "--json"))["rows"]
@@ -76,12 +68,3 @@ def test_files_are_read_once(furuta: Any, tmp_path: Path, monkeypatch: pytest.Mo
     ranges = ("--over", "omega1=6:7:2", "--over", "omega2=4:5:2")
     assert len(answer(furuta("limit-cycle", *ranges, "--params", file, "--json"))["rows"]) == 4
     assert reads == [file]
-
-
-def test_branch(furuta: Any, tmp_path: Path) -> None:
-    picture = tmp_path / "branch.png"
-    over = ("--over", "viscous=0.2:0.3", "--figure", picture)
-    result = answer(furuta("limit-cycle", *over, "--json"))
-    folds = [event["viscous"] for event in result["events"] if event["event"] == "fold"]
-    assert folds == [pytest.approx(0.2095, abs=1e-3)]
-    assert picture.read_bytes().startswith(PNG)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, cast
 
 import click
-import numpy as np
 import pytest
 
 from furuta_bringup import main
@@ -66,19 +65,6 @@ def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
     assert status == 1
     assert "thesis.txt" in err
     assert (Path(result["bag"]) / "thesis.txt").exists()
-
-
-def test_simulate(furuta: Any, tmp_path: Path) -> None:
-    series = tmp_path / "run.npz"
-    status, out, err = furuta(
-        "simulate", "--ideal-sensors", "--seconds", "30", "--out", series, "--json"
-    )
-    assert status == 0, err
-    result = json.loads(out)
-    assert result["phi_peak_to_peak_rad"] == pytest.approx(0.5106, rel=0.01)
-    assert result["steps"] == 30_000
-    assert not result["fell"]
-    assert np.load(series)["state"].shape == (30_000, 4)
 
 
 # One line each; the true reason in it. Status 2 is wrong usage.

@@ -25,19 +25,16 @@ from furuta_model.parameters import ParameterError
 from furuta_ros.errors import UserError
 
 # Values of options of free text; where the command takes them, they differ from what it has.
-TEXTS = {
-    "--set": "zeta1=0.8 --set alpha0=0.3", "--params": "PARAMETERS.yaml", "--rig": "qube_servo_2",
-    "--own-parts": "os:cpu_count", "--compensation": "lugre", "--law": "coulomb",
-    "--feedback": "9 4 60 20", "--over": "alpha0=0.1:0.2:2", "--candidate": "coulomb",
-    "--namespace": "other", "--scheduler": "tcp://127.0.0.1:9", "--friction": "alpha0=0.2",
-    "--counts": "500", "--lead": "10mm", "--joint": "other", "--position": "wrist",
-    "--command": "wrist", "--time": "time2", "--goal": "wrist", "--moving": "wrist2=wrist",
-    "--urdf": "ARM.urdf", "--arm": "wrist", "--pendulum": "wrist", "--states": "states",
-    "--zero": "hanging", "--identify": "AXIS.csv", "--axis": "JOINT.yaml", "--topic": "x",
-    "--validate": "RIG.csv", "--pid": "3 6 0.2", "--cascade": "10 0.3 1", "--port": "mock",
-    "--record": "BAG", "--remap": "a:=b", "--out": "OTHER", "--seconds": "14",
-    "--arm-guard": "0.3", "--pendulum-guard": "0.01",
-}  # fmt: skip
+GIVEN = """--set zeta1=0.8 --set alpha0=0.3 | --params PARAMETERS.yaml | --rig qube_servo_2 |
+--own-parts os:cpu_count | --compensation lugre | --law coulomb | --feedback 9 4 60 20 |
+--over alpha0=0.1:0.2:2 | --candidate coulomb | --namespace other |
+--scheduler tcp://127.0.0.1:9 | --friction alpha0=0.2 | --counts 500 | --lead 10mm |
+--joint other | --position wrist | --command wrist | --time time2 | --goal wrist |
+--moving wrist2=wrist | --urdf ARM.urdf | --arm wrist | --pendulum wrist | --states states |
+--zero hanging | --identify AXIS.csv | --axis JOINT.yaml | --topic x | --validate RIG.csv |
+--pid 3 6 0.2 | --cascade 10 0.3 1 | --port mock | --record BAG | --remap a:=b | --out OTHER |
+--seconds 14 | --arm-guard 0.3 | --pendulum-guard 0.01"""
+TEXTS = dict(each.strip().split(" ", 1) for each in GIVEN.split("|"))
 # Cheap calls of each command. Those of LONG take seconds each.
 BASES = {
     "simulate": ["--seconds 12"],

@@ -7,6 +7,7 @@ import numpy as np
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.recording import Recording
+from furuta_recordings.splitting import PAUSE
 from furuta_ros.topics import JOINTS
 
 FEWEST_SAMPLES = 100
@@ -71,12 +72,14 @@ def with_usable_samples(
 
 
 def _refuse_unordered(recording: Recording) -> None:
-    """Raise if many samples are not in the order of their times."""
-    backward = np.diff(recording.time) < 0.0
-    if np.sum(backward) > LARGEST_UNORDERED_PART * len(backward):
+    """Raise if many samples are not in the order of their times, or one is far from it."""
+    steps = np.diff(recording.time)
+    backward = steps < 0.0
+    if np.sum(backward) > LARGEST_UNORDERED_PART * len(backward) or np.any(steps < -PAUSE):
         raise ParameterError(
             f"{recording.name}: the time decreases {np.sum(backward)} times in "
-            f"{len(recording.time)} samples; sort them by time, or name another column of the time"
+            f"{len(recording.time)} samples; sort them by time, name another column of the time, "
+            "or give each run as a recording of its own"
         )
 
 
