@@ -1,13 +1,17 @@
 """The notebooks of the course use what the library has. ``make course CHECK=1`` runs them."""
 
 import ast
+import importlib
 import importlib.util
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 from sources import ROOT
 
@@ -73,6 +77,96 @@ def test_exercises_as_handed_out(name: str, tmp_path: Path) -> None:
     assert errors
     assert all(len(lines) == 1 and lines[0].startswith("Not yet: ") for lines in errors), errors
     assert not [output for output in outputs if output.get("name") == "stderr"]
+
+
+# Kinds of wrong answers, made from the right one.
+WRONG: dict[str, Any] = {
+    "nothing": lambda right: None,
+    "a number": lambda right: 0.123,
+    "a text": lambda right: "ten",
+    "another shape": lambda right: np.zeros((3, 5)),
+    "the other sign": lambda right: scaled(right, -1.0),
+    "half": lambda right: scaled(right, 0.5),
+}
+
+
+def scaled(right: Any, factor: float) -> Any:
+    """An answer whose numbers are multiplied."""
+    if isinstance(right, dict):
+        return {name: scaled(each, factor) for name, each in right.items()}
+    if isinstance(right, tuple | list):
+        parts = [scaled(each, factor) for each in right]
+        return type(right)(*parts) if hasattr(right, "_fields") else type(right)(parts)
+    return right if isinstance(right, str | bool | set) else factor * right
+
+
+def answers_of(source: str) -> list[str]:
+    """The names that a cell of a source gives an answer: its function, or its values."""
+    before, _, _ = source.partition("# BEGIN SOLUTION")
+    if before.endswith("    "):
+        return re.findall(r"^def (\w+)", before, re.MULTILINE)[-1:]
+    nodes = ast.parse(before).body
+    targets = [target for node in nodes if isinstance(node, ast.Assign) for target in node.targets]
+    return [node.id for each in targets for node in ast.walk(each) if isinstance(node, ast.Name)]
+
+
+def wrong(right: Any, make: Any) -> Any:
+    """A wrong answer instead of a value, or a function that returns one."""
+    return (lambda *given: make(right(*given))) if callable(right) else make(right)
+
+
+def hint_of(lab: Any, cell: str, namespace: dict[str, Any], name: str) -> str | None:
+    """What the notebook says of the answers that a cell checks; empty if they are right."""
+    try:
+        exec(compile(cell, name, "exec"), namespace)
+    except Exception as error:
+        return lab.explanation(error, error.__traceback__)  # type: ignore[no-any-return]
+    return ""
+
+
+QUICK = ("1_model", "2_limit_cycle")
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(each, marks=() if each in QUICK else pytest.mark.long)
+        for each in NAMES
+        if each != "6_rig"
+    ],
+)
+def test_each_wrong_answer_has_a_hint(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line that says what is wrong, for each exercise and each kind of wrong answer."""
+    monkeypatch.syspath_prepend(COURSE)
+    monkeypatch.chdir(tmp_path)
+    with monkeypatch.context() as without_jupyter:
+        stub: Any = SimpleNamespace(get_ipython=lambda: None)
+        without_jupyter.setitem(sys.modules, "IPython", stub)
+        lab = importlib.import_module("lab")
+    namespace: dict[str, Any] = {"__name__": "notebook"}
+    script, answers, tried = notebooks(), list[str](), 0
+    for number, source in enumerate(script.code_cells((COURSE / f"{name}.md").read_text("utf-8"))):
+        cell, where = script.solution(source), f"cell {number}"
+        for kind, make in WRONG.items() if answers and re.search(r"\b(check|need)\(", cell) else ():
+            right = {answer: namespace[answer] for answer in answers}
+            namespace |= {answer: wrong(each, make) for answer, each in right.items()}
+            hint = hint_of(lab, cell, namespace, where)
+            namespace |= right
+            assert hint is not None, (where, kind)
+            assert hint or kind in ("the other sign", "half"), (where, kind)
+            assert "\n" not in hint and len(hint) < 250, hint
+            assert not hint or len(re.findall(r"[a-z]{2,}", hint)) > 2, hint
+            tried += 1
+        if "# BEGIN SOLUTION" in source:
+            answers = answers_of(source)
+        elif "check(" in cell:
+            answers = []
+        assert hint_of(lab, cell, namespace, where) == "", where
+    assert tried >= 3 * len(WRONG)
+    exec(compile("def failing():\n    return 1 / 0", "another cell", "exec"), namespace)
+    assert hint_of(lab, "failing()", namespace, "cell") is None  # shown whole
 
 
 def test_sheet_tells_what_an_exercise_has_shown() -> None:

@@ -12,6 +12,8 @@ import numpy as np
 
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
+from furuta_model.friction.lugre import highest_level
+from furuta_model.friction.parameters import Friction
 from furuta_model.state import HORIZONTAL, PHI, PHI_DOT, THETA
 
 # Fraction of the peak-to-peak value by which φ must go below the midpoint between crossings.
@@ -19,6 +21,10 @@ HYSTERESIS = 0.1
 # Arm speed [rad/s] below which the arm counts as stuck. Under LuGre a stuck arm creeps through the
 # deflection of the bristle, 5 mrad in about half a second.
 STUCK_SPEED = 1e-2
+# Largest level of friction [V] that is none: nothing holds the arm.
+FRICTIONLESS = 1e-9
+# Friction that holds the arm.
+ANY = Friction()
 # Peak to peak of the arm [rad] below which there is no period.
 SMALLEST_OSCILLATION = 1e-6
 
@@ -56,7 +62,10 @@ class OscillationSums:
 
 
 class Oscillation(NamedTuple):
-    """Peak to peak [rad], period [s] (NaN without one), fraction of time stuck."""
+    """Peak to peak [rad], period [s] (NaN without one), fraction of time stuck.
+
+    Where nothing holds the arm, the fraction is NaN.
+    """
 
     phi_peak_to_peak_rad: float
     theta_peak_to_peak_rad: float
@@ -107,17 +116,18 @@ def _count_crossing(sums: OscillationSums, phi: float) -> None:
         sums.crossings += 1
 
 
-def oscillation(sums: OscillationSums, sample_time: float) -> Oscillation:
+def oscillation(sums: OscillationSums, sample_time: float, friction: Friction = ANY) -> Oscillation:
     """The oscillation that was accumulated, with samples every ``sample_time`` [s]."""
     earlier_peak_to_peak = sums.midpoint_high - sums.midpoint_low
     has_period = sums.crossings >= 2 and earlier_peak_to_peak >= SMALLEST_OSCILLATION
     duration = sums.last_crossing - sums.first_crossing
+    is_held = highest_level(friction) >= FRICTIONLESS
     period_s = duration / (sums.crossings - 1) * sample_time if has_period else np.nan
     return Oscillation(
         phi_peak_to_peak_rad=sums.phi_high - sums.phi_low,
         theta_peak_to_peak_rad=sums.theta_high - sums.theta_low,
         period_s=period_s,
-        stuck_fraction=sums.stuck / max(1, sums.samples),
+        stuck_fraction=sums.stuck / max(1, sums.samples) if is_held else np.nan,
     )
 
 

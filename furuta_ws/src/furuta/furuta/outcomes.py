@@ -3,6 +3,7 @@
 A run of any length needs the series of a part and one small memory, :class:`Sums`.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import inf, sqrt
 from typing import Any, NamedTuple
@@ -59,9 +60,10 @@ class Outcome(NamedTuple):
     """Result of a run over its settled part; ``fell`` refers to the whole run.
 
     ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
-    oscillation. The midpoint is that of the motion in the second half of the transient part. Rms
-    values are about zero: arm angle [rad], command [V], its change from sample to sample, its part
-    above 50 Hz (first-order filter), error of the friction estimate F − F̂ [V].
+    oscillation. The midpoint is that of the motion in the second half of the transient part.
+    ``stuck_fraction`` is NaN without friction, where nothing holds the arm. Rms values are about
+    zero: arm angle [rad], command [V], its change from sample to sample, its part above 50 Hz
+    (first-order filter), error of the friction estimate F − F̂ [V].
     """
 
     phi_peak_to_peak_rad: float
@@ -84,14 +86,30 @@ def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:
 
 def measure(simulation: Simulation, seconds: float, settled: float = SETTLED) -> Outcome:
     """Continue a simulation for ``seconds``, and measure the last fraction ``settled``."""
-    dt, samples = simulation.loop.plant.sample_time, simulation.samples(seconds)
-    measured = max(1, round(settled * samples))
-    sums = new_memory(Sums)
+    plant, samples = simulation.loop.plant, simulation.samples(seconds)
     # To compile another loop, which measures as it runs, would take half a minute.
-    for begin in range(0, samples, PART):
-        record = simulation.run(min(PART, samples - begin) * dt)
+    parts = (
+        simulation.run(min(PART, samples - begin) * plant.sample_time)
+        for begin in range(0, samples, PART)
+    )
+    return outcome_of(parts, plant, samples, settled)
+
+
+def outcome_of(
+    parts: Iterable[Record], plant: PlantParameters, samples: int, settled: float = SETTLED
+) -> Outcome:
+    """Measure a run of ``samples`` samples that comes in parts; of one that is kept, in one."""
+    measured = measured_samples(samples, settled)
+    sums, begin = new_memory(Sums), 0
+    for record in parts:
         _include(record, begin, samples - measured, sums)
-    return summary(sums[0].item(), dt, samples, measured)
+        begin += len(record.command)
+    return summary(sums[0].item(), plant, samples, measured)
+
+
+def measured_samples(samples: int, settled: float) -> int:
+    """How many of the samples of a run are its last fraction ``settled``."""
+    return max(1, round(settled * samples))
 
 
 def residual(run: Outcome) -> float:
@@ -132,13 +150,14 @@ def _only_sensors(loop: Loop, part: float) -> Loop:
     )
 
 
-def summary(sums: tuple[Any, ...], sample_time: float, samples: int, measured: int) -> Outcome:
+def summary(sums: tuple[Any, ...], plant: PlantParameters, samples: int, measured: int) -> Outcome:
     """The outcome of a run of ``samples`` samples, of which the last ``measured`` count.
 
     ``sums`` are the fields of :class:`Sums`.
     """
     oscillation_sums, phi, command, error, step, fast, _, _, fell = sums
-    motion = oscillation(OscillationSums(*oscillation_sums), sample_time)
+    friction = plant.friction.parameters
+    motion = oscillation(OscillationSums(*oscillation_sums), plant.sample_time, friction)
     return Outcome(
         *motion,
         phi_rms_rad=sqrt(phi / measured),

@@ -100,7 +100,8 @@ def study_axis(
         known[1] if delay is None else delay,
     )
     found = axes.servo_motions(axis, controller, speed, progress)
-    motions = {start: JointCycle(motion) for start, motion in found.items()}
+    joint = axes.servo_joint(axis, controller, speed)
+    motions = {start: JointCycle(motion, joint) for start, motion in found.items()}
     study = Study(axis, controller, speed, loop, motions, fit)
     cycle, options = next(iter(found.values())), dict[str, Any](speed=speed, progress=progress)
     if fit is not None:

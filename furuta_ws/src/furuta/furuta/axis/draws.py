@@ -87,7 +87,10 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     random = np.random.default_rng(seed)
     centre = identified_axis(fit)
     means = fit.fit.unknowns.vector(fit.fit.values)
-    vectors = random.multivariate_normal(means, fit.covariance, draws, method="eigh")
+    # Rounding may leave a variance below 0 in a direction; the method takes its size.
+    vectors = random.multivariate_normal(
+        means, fit.covariance, draws, check_valid="ignore", method="eigh"
+    )
     return [
         _drawn(centre, dict(zip(fit.names, vector, strict=True)), fit, random) for vector in vectors
     ]

@@ -10,7 +10,6 @@ from furuta.figures.figure import (
     PENDULUM,
     VOLTAGE,
     axes_for,
-    axis_label,
     style_axis,
 )
 from furuta.limit_cycles.continuation import BranchPoint
@@ -18,9 +17,11 @@ from furuta.limit_cycles.periodic_orbit import Trajectory
 from furuta.quantities import QUANTITIES
 from furuta_model.state import PHI, PHI_DOT, THETA
 
-# Fields of a limit cycle that are drawn along a branch, with their labels and colours.
+# Fields of a limit cycle that are drawn along a branch, of the arm or of a joint, with their labels
+# and colours.
 BRANCH_SERIES = {
     "phi_peak_to_peak_rad": ("arm, peak to peak [rad]", ARM),
+    "peak_to_peak": ("position, peak to peak", ARM),
     "period_s": ("period [s]", "0.3"),
 }
 
@@ -74,15 +75,20 @@ def draw_cycle(
     plane.plot(phi, motion.state[:, PHI_DOT], color=ARM)
 
 
-def draw_branch(name: str, points: list[BranchPoint], axes: Any = None) -> Any:
-    """Draw amplitude and period along the branch: unstable cycles dashed, events marked."""
-    _, axes = axes_for(axes, len(BRANCH_SERIES), sharex=True, figsize=(8, 7))
-    for axis, (field, (label, colour)) in zip(axes, BRANCH_SERIES.items(), strict=True):
+def draw_branch(label: str, points: list[BranchPoint], axes: Any = None) -> Any:
+    """Draw size and period along the branch: unstable cycles dashed, events marked.
+
+    ``label`` is that of the parameter, with its unit.
+    """
+    fields = [field for field in BRANCH_SERIES if hasattr(points[0].cycle, field)]
+    _, axes = axes_for(axes, len(fields), sharex=True, figsize=(8, 7))
+    for axis, field in zip(axes, fields, strict=True):
+        title, colour = BRANCH_SERIES[field]
         _draw_branch_series(axis, points, field, colour)
-        style_axis(axis, y=label)
+        style_axis(axis, y=title)
     axes[0].legend()
-    _label_events(axes[0], name, points)
-    axes[-1].set_xlabel(axis_label(name))
+    _label_events(axes[0], label.partition(" [")[0], fields[0], points)
+    axes[-1].set_xlabel(label)
     return axes
 
 
@@ -98,16 +104,15 @@ def _draw_branch_series(axis: Any, points: list[BranchPoint], field: str, colour
             axis.plot(point.value, getattr(point.cycle, field), "ko", ms=5)
 
 
-def _label_events(axis: Any, name: str, points: list[BranchPoint]) -> None:
+def _label_events(axis: Any, symbol: str, field: str, points: list[BranchPoint]) -> None:
     """Name each event and its value, on the side of the point that has more room."""
     middle = sum(axis.get_xlim()) / 2.0
     for point in points:
         if point.event in MARKED_EVENTS:
             right = point.value > middle
             axis.annotate(
-                f"{MARKED_EVENTS[point.event]} at {axis_label(name).partition(' [')[0]} = "
-                f"{point.value:.4g}",
-                (point.value, point.cycle.phi_peak_to_peak_rad),
+                f"{MARKED_EVENTS[point.event]} at {symbol} = {point.value:.4g}",
+                (point.value, getattr(point.cycle, field)),
                 xytext=(-10 if right else 10, 0),
                 textcoords="offset points",
                 ha="right" if right else "left",

@@ -31,7 +31,9 @@ def draw_runs(runs: Mapping[str, np.ndarray], names: Sequence[str], axes: Any = 
     figure, axis = axes_for(axes, figsize=(8, 5))
     if len(curves) <= MOST_CURVES:
         for curve in curves or [()]:
-            chosen = np.all([values[name] == v for name, v in zip(others, curve, strict=True)], 0)
+            chosen = np.full(len(size), True)
+            for name, value in zip(others, curve, strict=True):
+                chosen &= values[name] == value
             label = ", ".join(map(_label, others, curve))
             style = ".-" if _is_number(values[first]) else "o"
             axis.plot(values[first][chosen], size[chosen], style, label=label or None)

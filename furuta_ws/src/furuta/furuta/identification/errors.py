@@ -5,6 +5,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from furuta_recordings.recording import Recording
 
+# Smallest eigenvalue of a scaled information, in the largest, that is no rounding; and the standard
+# error of a direction that is not determined, in sizes.
+UNKNOWN, ANYTHING = 1e-10, 100.0
 # No sensor is better than this [rad, rad/s, rad, rad/s].
 SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)
 
@@ -37,6 +40,35 @@ def noise_of(recording: Recording) -> np.ndarray:
     return np.where(np.isfinite(sizes), sizes, 1.0)
 
 
+def inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse (..., p, p) of an information in any units.
+
+    A direction that it does not determine becomes uncertain; a pseudo-inverse would call it exact.
+    """
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
+    scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    values, vectors = np.linalg.eigh(matrix * (scale[..., :, None] * scale[..., None, :]))
+    vectors = scale[..., :, None] * vectors
+    unknown = values < UNKNOWN * np.max(values, axis=-1, keepdims=True, initial=1e-300)
+    loose = np.sum(vectors**2, axis=-2) / ANYTHING**2
+    kept = np.where(unknown, loose, values)
+    found: np.ndarray = (vectors / kept[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+    return found
+
+
+def at_least(covariance: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """A covariance (p, p), made as large as another one in every direction."""
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(least), 1e-300))
+    both = np.outer(scale, scale)
+    values, vectors = np.linalg.eigh(least * both)
+    root = np.sqrt(np.maximum(values, 1e-15 * values[-1]))
+    whitened = (vectors / root).T @ (covariance * both) @ (vectors / root)
+    sizes, turned = np.linalg.eigh(whitened)
+    back = vectors * root @ turned
+    found: np.ndarray = (back * np.maximum(sizes, 1.0)) @ back.T / both
+    return found
+
+
 def jackknife(information: np.ndarray, blocks: np.ndarray, scores: np.ndarray) -> np.ndarray:
     """Covariance (p, p) of a fit by leaving out one block of time after the other.
 
@@ -45,7 +77,7 @@ def jackknife(information: np.ndarray, blocks: np.ndarray, scores: np.ndarray) -
     Gauss-Newton step per block: within a block residuals may be correlated in any way. With few
     blocks a sandwich estimate ignores how much each of them has influenced the fit.
     """
-    left = np.linalg.pinv(information - blocks, hermitian=True)
+    left = inverse(information - blocks)
     shift = np.einsum("bij,bj->bi", left, scores)
     covariance: np.ndarray = (len(shift) - 1) / len(shift) * shift.T @ shift
     return covariance

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.identification.bodies.body import Body, Segments
-from furuta.identification.errors import jackknife
+from furuta.identification.errors import at_least, inverse, jackknife
 from furuta.identification.unknowns import Key, Unknowns, Values
 
 MOST_ITERATIONS, MOST_TRIES = 40, 8
@@ -124,12 +124,9 @@ class Fit(NamedTuple):
     def covariance(self) -> np.ndarray:
         """Covariance (p, p) of the unknowns in their sizes, by segments.
 
-        No variance is smaller than that of white noise: few segments may inform of an unknown.
+        In no direction is it smaller than that of white noise: few segments may inform of one.
         """
-        own = covariance(self.about)
-        white = np.diag(np.linalg.pinv(self.about.information, hermitian=True)) * self.rms**2
-        wider = np.sqrt(np.maximum(white / np.maximum(np.diag(own), 1e-300), 1.0))
-        return np.asarray(own * np.outer(wider, wider))
+        return at_least(covariance(self.about), inverse(self.about.information) * self.rms**2)
 
     def inflation(self, sure: Sequence[Key]) -> float:
         """Variance by segments over that of white noise.
@@ -137,7 +134,7 @@ class Fit(NamedTuple):
         It is the median over unknowns of which every segment informs, at least that of white
         residuals, and at most that of residuals that last as long as a segment.
         """
-        white = np.diag(np.linalg.pinv(self.about.information))
+        white = np.diag(inverse(self.about.information))
         own = np.diag(self.covariance)
         kept = [k for k, key in enumerate(self.unknowns.keys) if key in sure]
         longest = len(self.about.columns) / self.segments
@@ -151,8 +148,8 @@ def covariance(about: Linearised) -> np.ndarray:
 
     What is left of an encoder's counts is no white noise. The priors' part is added.
     """
-    inverse = np.linalg.pinv(about.information)
-    of_prior = (inverse * about.scatter) @ inverse
+    inverted = inverse(about.information)
+    of_prior = (inverted * about.scatter) @ inverted
     return jackknife(about.information, about.blocks, about.scores) + of_prior
 
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import fdtrc
 
-from furuta.identification.errors import jackknife
+from furuta.identification.errors import inverse, jackknife
 from furuta.identification.least_squares import Fit, Linearised
 from furuta.identification.unknowns import Key
 
@@ -45,10 +45,10 @@ def tested(
     for group in groups:
         rows, last = [*known, *group], len(group)
         information = about.information[np.ix_(rows, rows)]
-        inverse = np.linalg.pinv(information, hermitian=True)
-        blocks, step = about.blocks[:, rows][:, :, rows], inverse @ about.gradient[rows]
+        inverted = inverse(information)
+        blocks, step = about.blocks[:, rows][:, :, rows], inverted @ about.gradient[rows]
         covered = jackknife(information, blocks, about.scores[:, rows] - blocks @ step)
-        covered += (inverse * about.scatter[rows]) @ inverse
+        covered += (inverted * about.scatter[rows]) @ inverted
         chances.append(significance(step[-last:], covered[-last:, -last:], len(blocks)))
-        gains.append(step[-last:] @ np.linalg.pinv(inverse[-last:, -last:]) @ step[-last:])
+        gains.append(step[-last:] @ inverse(inverted[-last:, -last:]) @ step[-last:])
     return np.array(chances), np.array(gains)

@@ -36,7 +36,7 @@ from furuta.lanes.lane_stages import (
     LanePlant,
     Stage,
 )
-from furuta.outcomes import Outcome, summary
+from furuta.outcomes import Outcome, measured_samples, summary
 from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import (
@@ -52,6 +52,7 @@ from furuta_model.parameters import OFF_AT_ZERO, SELECTS
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Actuator, Sensors
 from furuta_model.state import BRISTLE, PLANT_STATES
+from furuta_sim.parameters import PlantParameters
 from furuta_sim.plant import NOISE_CHANNELS, design_plant
 from furuta_sim.simulation.closed_loop import Loop
 
@@ -98,8 +99,7 @@ class PreparedLoop(NamedTuple):
 
     group: Group
     numbers: tuple[np.ndarray, ...]
-    seed: int
-    sample_time: float
+    plant: PlantParameters
 
 
 def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
@@ -142,8 +142,7 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
             width=_width(loop.plant.sensors, estimation),
         ),
         numbers=(*(numbers for _, numbers in parts), x),
-        seed=loop.plant.seed,
-        sample_time=loop.plant.sample_time,
+        plant=loop.plant,
     )
 
 
@@ -198,11 +197,11 @@ def _layout(group: Group) -> tuple[Layout, int]:
 def run_block(loops: Sequence[PreparedLoop], settled: float) -> list[Outcome]:
     """Outcomes of at most ``width`` loops of one group; lanes to spare repeat the first loop."""
     group, block = loops[0].group, block_of(loops)
-    samples, measured = group.samples, max(1, round(settled * group.samples))
+    samples, measured = group.samples, measured_samples(group.samples, settled)
     _run_samples(block, loops, samples - measured)
     outcomes = []
     for i, loop in enumerate(loops):
-        outcomes.append(summary(block.values("sums", i), loop.sample_time, samples, measured))
+        outcomes.append(summary(block.values("sums", i), loop.plant, samples, measured))
     return outcomes
 
 
@@ -232,7 +231,7 @@ def _run_samples(block: Lanes, loops: Sequence[PreparedLoop], transient: int) ->
         addresses[: len(part)] = [stage_address(stage, group) for stage in part]
     _, sensors = field_of(block.layout, "sensors")
     _, (_, _, ideal) = field_of(sensors, "ideal")
-    generators = [] if ideal else [np.random.default_rng(loop.seed) for loop in loops]
+    generators = [] if ideal else [np.random.default_rng(loop.plant.seed) for loop in loops]
     noise = np.zeros((_used(loops), NOISE_SAMPLES, 0 if ideal else NOISE_CHANNELS))
     rows = block.rows("noise")[:, : len(noise)]
     for first in range(0, group.samples, NOISE_SAMPLES):

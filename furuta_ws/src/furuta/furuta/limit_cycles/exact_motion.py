@@ -21,6 +21,8 @@ from furuta.limit_cycles.smooth_motion import (
     LOW,
     NEAR_REST,
     OTHER_SIDE,
+    REACHED,
+    ROUNDING,
     STEPS,
     extent_at,
     integrate,
@@ -44,9 +46,7 @@ def _follow_pendulum(
 ) -> tuple[int, float, int]:
     t, rows = 0.0, 0
     while True:
-        ended, duration, more = integrate(
-            y, mode, time_limit - t, loop, False, extent, trace[rows:]
-        )
+        ended, duration, more = integrate(y, mode, time_limit - t, loop, 0.0, extent, trace[rows:])
         _delay(trace, rows, more, t)
         t, rows = t + duration, rows + more
         if ended != NEAR_REST:
@@ -72,9 +72,18 @@ def _follow_linear(
     if mode == 0.0 or loop.law.kind in (COULOMB, STICTION):
         return follow_exactly(y, mode, time_limit, extent, trace, loop)
     limit = min(time_limit, LONGEST_SLIDE)
-    ended, duration, rows = integrate(y, mode, limit, loop, False, extent, trace)
-    # What disturbs a linear loop at rest does not grow there: see rest_stability.
-    return AT_REST if ended == NEAR_REST else ended, duration, rows
+    reached = 0.0
+    t, rows = 0.0, 0
+    while True:
+        ended, duration, more = integrate(y, mode, limit - t, loop, reached, extent, trace[rows:])
+        _delay(trace, rows, more, t)
+        t, rows = t + duration, rows + more
+        if ended == NEAR_REST and loop.passes_rests:
+            reached = ROUNDING
+        elif ended == LEFT_REST:
+            reached = 0.0
+        else:
+            return AT_REST if ended == NEAR_REST else ended, t, rows
 
 
 def state_after(y: np.ndarray, mode: float, time: float, loop: LinearLoop) -> np.ndarray:
@@ -82,7 +91,7 @@ def state_after(y: np.ndarray, mode: float, time: float, loop: LinearLoop) -> np
     if mode == 0.0 or loop.law.kind in (COULOMB, STICTION):
         return moved_exactly(y, mode, time, loop)
     y = y.copy()
-    integrate(y, mode, time, loop, False, extent_at(y), np.empty((0, len(y) + 1)))
+    integrate(y, mode, time, loop, 0.0, extent_at(y), np.empty((0, len(y) + 1)))
     return y
 
 
@@ -113,7 +122,7 @@ def _follow_near_rest(
     z = held / loop.law.parameters.sigma0 if loop.law.bristle else 0.0
     local = IdealLoop(loop.body, loop.law, loop.l1, loop.l2, loop.l3, loop.l4, loop.linear, held)
     _shift(y, extent, -phi, -z)
-    ended, duration, rows = integrate(y, mode, time_limit, local, True, extent, trace)
+    ended, duration, rows = integrate(y, mode, time_limit, local, REACHED, extent, trace)
     _shift(y, extent, phi, z)
     for row in range(rows):
         trace[row, 1 + PHI] += phi

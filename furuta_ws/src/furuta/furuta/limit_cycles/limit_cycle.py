@@ -27,7 +27,7 @@ from furuta.limit_cycles.periodic_orbit import (
     limit_cycle_through,
     periodic_orbit,
 )
-from furuta.limit_cycles.rest_stability import FRICTIONLESS, rest_stability, rest_state
+from furuta.limit_cycles.rest_stability import rest_stability, rest_state
 from furuta.limit_cycles.slip_cycle import slip_cycle
 from furuta.limit_cycles.smooth_motion import (
     AT_REST,
@@ -43,6 +43,7 @@ from furuta.limit_cycles.smooth_motion import (
     TOO_STIFF,
     UNBOUNDED,
 )
+from furuta.oscillation import FRICTIONLESS
 from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, PLANT_STATES, THETA, THETA_DOT
@@ -266,6 +267,12 @@ class _Search:
         at_rest = LimitCycle("rest", point=tuple(y), growth_rate_1_s=growth)
         if growth < 0.0:
             return at_rest
+        if growth > 0.0 and isinstance(self._loop, LinearLoop) and not self._loop.passes_rests:
+            # It creeps past an unstable rest, unless it is as close as rounding.
+            self._loop = self._loop._replace(passes_rests=True)
+            self._section = Section(self._loop, self._section.smallest, self._section.side)
+            self._mode = first_mode(self._y, self._loop)
+            return None
         for number, excursion in enumerate(self._excursions):
             if abs(excursion.phi - y[PHI]) < SAME_REST:
                 return _repeated(self._excursions[number:], growth)

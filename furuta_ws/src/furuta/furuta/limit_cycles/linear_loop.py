@@ -31,13 +31,17 @@ LONGEST_RETURN = 1e12
 
 
 class LinearLoop(NamedTuple):
-    """A (n, n), b (n,) and r (n,) of the loop, and its friction law."""
+    """A (n, n), b (n,) and r (n,) of the loop, and its friction law.
+
+    ``passes_rests``: a motion that creeps near a rest is followed on, as past an unstable one.
+    """
 
     a: np.ndarray
     b: np.ndarray
     r: np.ndarray
     law: FrictionLaw
     held: float = 0.0
+    passes_rests: bool = False
 
     @property
     def states(self) -> int:

@@ -22,12 +22,14 @@ from furuta.limit_cycles.friction_loop import (
     next_mode,
     smallest_slide,
 )
+from furuta.limit_cycles.linear_loop import LinearLoop
 from furuta.limit_cycles.smooth_motion import (
     CLOSEST,
     EVENT,
     FURTHER,
     HIGH,
     LOW,
+    NEAR,
     STUCK,
     extent_at,
 )
@@ -256,6 +258,8 @@ def trace(loop: FrictionLoop, cycle: LimitCycle) -> Trajectory:
     """The motion over one period, or of an irregular one what was seen, at the steps."""
     if cycle.period_s == np.inf:
         raise ParameterError("a motion with an infinite period cannot be traced over one period")
+    if isinstance(loop, LinearLoop):
+        loop = loop._replace(passes_rests=cycle.rest_distance < NEAR)
     y = np.array(cycle.point)
     rows = [np.append(0.0, y)]
     buffer = np.empty((MAX_TRACE, loop.states + 1))

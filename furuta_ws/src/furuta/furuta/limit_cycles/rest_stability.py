@@ -28,6 +28,7 @@ import numpy as np
 from furuta.limit_cycles.friction_loop import FrictionLoop, rate, rest_distance, stuck_rate
 from furuta.limit_cycles.linear_loop import LinearLoop, W
 from furuta.limit_cycles.pendulum_loop import IdealLoop, rest_near
+from furuta.oscillation import FRICTIONLESS
 from furuta_model.friction.laws import breakaway_level, sliding_level
 from furuta_model.friction.lugre import highest_level
 from furuta_model.linear import linearize
@@ -41,7 +42,6 @@ from furuta_model.state import (
     THETA_DOT,
 )
 
-FRICTIONLESS = 1e-9  # largest level of friction that is none
 DIFFERENCE = 1e-6  # of the finite differences
 DIFFERENCE_OF_VELOCITY = 3e-4  # of that of a linear loop's speed, relative to the Stribeck velocity
 ZERO = 1e-4  # an eigenvalue of this size belongs to a line of rests

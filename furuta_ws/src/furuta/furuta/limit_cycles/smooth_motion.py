@@ -32,8 +32,9 @@ LEFT_REST = 6  # no longer so
 OTHER_SIDE = 7  # the motion reverses on the other side only
 MAX_STEPS = 1_000_000  # of one extent
 # Distances from a rest: where it becomes and ceases to be the origin, and where it is reached.
-# Disturbances of the last size decide how long the arm stays at an unstable rest.
-NEAR, FAR, REACHED = 1e-6, 1e-5, 1e-14
+# Disturbances of the last size decide how long the arm stays at an unstable rest. Of a state that
+# is not counted from the rest, rounding is larger.
+NEAR, FAR, REACHED, ROUNDING = 1e-6, 1e-5, 1e-14, 1e-11
 MIN_STEP = 1e-12  # [s]
 RELATIVE_TOLERANCE = 1e-9
 ABSOLUTE_TOLERANCE = 1e-11
@@ -70,19 +71,19 @@ def integrate(
     mode: float,
     time_limit: float,
     loop: FrictionLoop,
-    near: bool,
+    reached: float,
     extent: np.ndarray,
     trace: np.ndarray,
 ) -> tuple[int, float, int]:
-    """Follow a piece of motion in place while it stays away from rests, or ``near`` one.
+    """Follow a piece of motion in place while it stays away from rests, or near one.
 
-    ``near``: the state is counted from that rest. Returns the same as
-    :func:`furuta.limit_cycles.exact_motion.follow_piece`.
+    ``reached``: distance at which the rest is reached that is near; 0 if none is. Returns the same
+    as :func:`furuta.limit_cycles.exact_motion.follow_piece`.
     """
     k = np.empty((7, len(y)))
     end = np.empty(len(y))
     t, h, rows = 0.0, 1e-4, 0
-    size = rest_distance(y, mode, loop) if near else 1.0
+    size = rest_distance(y, mode, loop) if reached > 0.0 else 1.0
     rate(y, mode, loop, k[0])
     while t < time_limit:
         extent[FURTHER, STEPS] += 1.0
@@ -110,10 +111,10 @@ def integrate(
         extent[FURTHER, CLOSEST] = min(extent[FURTHER, CLOSEST], distance)
         if ended:
             return EVENT, t, rows
-        ending = _ending(y, near, distance, loop)
+        ending = _ending(y, reached, distance, loop)
         if ending != GOES_ON:
             return ending, t, rows
-        size = distance if near else 1.0
+        size = distance if reached > 0.0 else 1.0
         k[0] = k[6]
         h *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     return TIME_OUT, t, rows
@@ -129,13 +130,13 @@ def _slowing(y: np.ndarray, dy: np.ndarray, mode: float, loop: FrictionLoop) -> 
 
 
 @compiled
-def _ending(y: np.ndarray, near: bool, distance: float, loop: FrictionLoop) -> int:
+def _ending(y: np.ndarray, reached: float, distance: float, loop: FrictionLoop) -> int:
     """How the piece of motion ends at ``y``, ``distance`` from a rest; GOES_ON if it does not."""
     if unbounded(y, loop):
         return UNBOUNDED
-    if not near:
+    if reached == 0.0:
         return NEAR_REST if distance < NEAR else GOES_ON
-    if distance < REACHED:
+    if distance < reached:
         return AT_REST
     return LEFT_REST if distance > FAR else GOES_ON
 

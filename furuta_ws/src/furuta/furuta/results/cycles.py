@@ -14,7 +14,7 @@ from furuta.limit_cycles.continuation import BranchPoint, fold_value
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.limit_cycles.periodic_orbit import Trajectory, trace
 from furuta.results.motion import swing_sentence
-from furuta.results.result import Found, Result, plain
+from furuta.results.result import Found, Result
 from furuta.results.text import angle, values_text
 from furuta.studies.feedback_map import MapPoint
 from furuta.transfer import transfer
@@ -48,9 +48,9 @@ class LimitCycle(Found):
         super().__init__(found)
         self.loop, self.left_out = loop, list(left_out)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything by name, except the point of the section; what has no meaning is NaN."""
-        values = super().to_dict() | {"stable": self.found.stable, "left_out": self.left_out}
+    def _by_name(self) -> dict[str, Any]:
+        """Everything by name, except the point of the section; what has no meaning is None."""
+        values = super()._by_name() | {"stable": self.found.stable, "left_out": self.left_out}
         for name in ("point", "smallest_slide", "side"):
             del values[name]
         return values
@@ -118,13 +118,13 @@ class JointCycle(Found):
 
     found: joint.JointCycle
 
-    def __init__(self, found: joint.JointCycle, loop: joint.Joint | None = None) -> None:
+    def __init__(self, found: joint.JointCycle, loop: joint.Joint) -> None:
         super().__init__(found)
         self.loop = loop
 
-    def to_dict(self) -> dict[str, Any]:
-        """Everything by name; what has no meaning is NaN."""
-        values = super().to_dict() | {"stable": self.found.stable}
+    def _by_name(self) -> dict[str, Any]:
+        """Everything by name; what has no meaning is None."""
+        values = super()._by_name() | {"stable": self.found.stable}
         del values["scaled"], values["start"]
         return values
 
@@ -143,7 +143,6 @@ class JointCycle(Found):
         Raises:
             ParameterError: The motion is no limit cycle with a finite period.
         """
-        assert self.loop is not None
         return joint.trace_joint(self.loop, self.found)
 
     def plot(self, axes: Any = None) -> Any:
@@ -193,21 +192,21 @@ class Prediction(Found):
         super().__init__(found)
         self.loop, self.left_out = loop, list(left_out)
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The cycles and what was searched; of a pendulum's loop also its steady rotations."""
         found, loop = self.found, self.loop
-        values: dict[str, Any] = {"cycles": plain(found.cycles)}
+        values: dict[str, Any] = {"cycles": found.cycles}
         if isinstance(loop, IdealLoop):
             values = {
                 "law": loop.law.name,
                 "feedback": list(loop.gains),
                 "stable_without_friction": transfer(loop.body, loop.gains).stable,
                 **values,
-                "rotations": plain(steady_rotations(loop.body, loop.gains, loop.law)),
+                "rotations": steady_rotations(loop.body, loop.gains, loop.law),
             }
         searched = {
-            "omega_rad_s": plain(found.omega_range_rad_s),
-            "phi_amplitude_rad": plain(found.phi_amplitude_range_rad),
+            "omega_rad_s": found.omega_range_rad_s,
+            "phi_amplitude_rad": found.phi_amplitude_range_rad,
         }
         values |= {"searched": searched, "complete": found.complete}
         return values | {"left_out": self.left_out}
@@ -257,11 +256,11 @@ class Branch(Result):
         """Values of the parameter (n,)."""
         return np.array([point.value for point in self.points])
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The motion of the loop itself, then the ``branch`` and its ``events``."""
         size = "peak_to_peak" if isinstance(self.cycle, JointCycle) else "phi_peak_to_peak_rad"
         return {
-            **self.cycle.to_dict(),
+            **self.cycle._by_name(),
             "branch": [
                 {
                     self.name: point.value,
@@ -299,9 +298,11 @@ class Branch(Result):
 
     def plot(self, axes: Any = None) -> Any:
         """Draw size and period over the parameter; see :meth:`Result.plot`."""
+        from furuta.figures.figure import axis_label
         from furuta.figures.limit_cycle import draw_branch
 
-        return draw_branch(self.name, self.points, axes)
+        label = self.name if isinstance(self.cycle, JointCycle) else axis_label(self.name)
+        return draw_branch(label, self.points, axes)
 
 
 class CycleMap(Result):
@@ -323,9 +324,9 @@ class CycleMap(Result):
         self.names, self.values, self.points = names, values, list(points)
         self.left_out = list(left_out)
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The ``rows`` of the map, with the kind and size of each motion."""
-        rows = [plain(point.row(*self.names)) for point in self.points]
+        rows = [point.row(*self.names) for point in self.points]
         return {"rows": rows, "left_out": self.left_out}
 
     def sentence(self) -> str:

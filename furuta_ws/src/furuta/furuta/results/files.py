@@ -14,7 +14,7 @@ class Files(Result):
     def __init__(self, files: list[Path]) -> None:
         self.files = files
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The ``files``, and their size in ``bytes``."""
         size = sum(file.stat().st_size for file in self.files)
         return {"files": list(map(str, self.files)), "bytes": size}

@@ -13,7 +13,7 @@ from furuta.axis.joint_file import write_joint_file
 from furuta.identification.axis import identify
 from furuta.identification.axis.friction_curve import axis_followed, axis_friction
 from furuta.identification.verdict import NO, YES, Identified, Verdict
-from furuta.results.result import Found, Result, plain
+from furuta.results.result import Found, Result
 from furuta.results.text import WIDTH, table_text, values_text
 from furuta_model.parameters import ParameterError
 
@@ -49,11 +49,11 @@ class JointFit(Found):
         super().__init__(found)
         self._more = more
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Values, ``standard_errors`` and ``units`` by name, the verdict, and what was found."""
         fit = self.found
         covered = getattr(fit, "covariance", None)
-        names = {"names": list(getattr(fit, "names", ())), "values": plain(covered)}
+        names = {"names": list(getattr(fit, "names", ())), "values": covered}
         return {
             **fit.values,
             "standard_errors": fit.standard_errors,
@@ -99,9 +99,9 @@ class AxisFit(JointFit):
 
     found: identify.AxisFit
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """As of :class:`JointFit`, with the ``resolution`` and the ``error`` of the free run."""
-        values = super().to_dict()
+        values = super()._by_name()
         findings = values.pop("findings")
         about = {"resolution": self.found.resolution, "error": self.found.own_error}
         values["units"] |= dict.fromkeys(about, self.position_unit)
@@ -165,12 +165,12 @@ class AxisFits(Result):
     def __init__(self, fits: Mapping[str, AxisFit], refused: Mapping[str, str]) -> None:
         self.fits, self.refused = dict(fits), dict(refused)
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The ``joints``, with what was found of each."""
         refused = {
             joint: {"usable": NO, "reasons": [reason]} for joint, reason in self.refused.items()
         }
-        return {"joints": {joint: fit.to_dict() for joint, fit in self.fits.items()} | refused}
+        return {"joints": {joint: fit._by_name() for joint, fit in self.fits.items()} | refused}
 
     def sentence(self) -> str:
         """How many of the joints are usable."""
@@ -210,5 +210,7 @@ class AxisFits(Result):
         """Draw the friction of each joint over its speed; see :meth:`Result.plot`."""
         from furuta.figures.friction import draw_joints
 
+        if not self.fits:
+            raise ParameterError(f"there is nothing to draw. {self.sentence()}")
         curves = {joint: axis_friction(fit.found) for joint, fit in self.fits.items()}
         return draw_joints(curves, axes)

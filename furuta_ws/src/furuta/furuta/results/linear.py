@@ -10,7 +10,7 @@ import numpy as np
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.margins import Margins
 from furuta.passivity import Passivity
-from furuta.results.result import Found, plain
+from furuta.results.result import Found
 from furuta.results.text import angle
 from furuta.transfer import transfer
 from furuta_model.pendulum import FurutaPendulum
@@ -55,16 +55,16 @@ class LinearModel(Found):
         super().__init__(found)
         self.cases = dict(cases)
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Everything by name, poles as real and imaginary part."""
         found = self.found
         values = {
             **found.model._asdict(),
-            "A": plain(found.A),
-            "B": plain(found.B),
-            "open_loop_poles": plain(found.open_loop_poles.astype(complex)),
-            "L": plain(found.L),
-            "closed_loop_poles": plain(found.closed_loop_poles.astype(complex)),
+            "A": found.A,
+            "B": found.B,
+            "open_loop_poles": found.open_loop_poles.astype(complex),
+            "L": found.L,
+            "closed_loop_poles": found.closed_loop_poles.astype(complex),
         }
         if found.margins is not None:
             values |= {
@@ -89,7 +89,7 @@ class LinearModel(Found):
                     "feedback": list(self.cases[case].gains),
                     "numerator": list(g.numerator),
                     "denominator": list(g.denominator),
-                    "poles": plain(g.poles.astype(complex)),
+                    "poles": g.poles.astype(complex),
                     "stable_without_friction": g.stable,
                 }
                 for case, g in responses.items()
@@ -101,7 +101,7 @@ class LinearModel(Found):
         if found.passivity is None:
             return {}
         about = {"K": found.observer_gain, "exact_model": found.exact_model}
-        passivity = {**plain(found.passivity), **about}
+        passivity = {**found.passivity._asdict(), **about}
         return {"passive": found.passivity.satisfied, "passivity": passivity}
 
     def sentence(self) -> str:
@@ -112,9 +112,12 @@ class LinearModel(Found):
         torque = f"{margins.gain_low:.3g} to {margins.gain_high:.3g} times its torque"
         if np.isinf(margins.gain_high):
             torque = f"at least {margins.gain_low:.3g} times its torque"
+        sensors = f"let the arm swing by {angle(swing)}"
+        if np.isinf(swing):
+            sensors = "make the pendulum fall"
         return (
             f"Without friction the loop is stable. It bears a delay of {margins.delay_s:.3g} s, "
-            f"and {torque}. The sensors alone let the arm swing by {angle(swing)}."
+            f"and {torque}. The sensors alone {sensors}."
         )
 
     def plot(self, axes: Any = None) -> Any:

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from furuta.limit_cycles.rest_stability import FRICTIONLESS
-from furuta.oscillation import has_fallen, measure_oscillation
+from furuta.oscillation import Oscillation, has_fallen
 from furuta.outcomes import Outcome as Measured
-from furuta.results.result import Found, plain
+from furuta.outcomes import outcome_of
+from furuta.results.result import Found
 from furuta.results.table import Series
 from furuta.results.text import angle
-from furuta_model.friction.lugre import highest_level
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.series_columns import MEASURED, known, series_of
 from furuta_recordings.table_files import write_npz
@@ -25,10 +24,13 @@ NO_MEANING = "The other values mean nothing."
 
 
 def swing_sentence(peak_to_peak: float, period: float, stuck: float) -> str:
-    """How the arm swings: peak to peak [rad], period [s], part of the time in which it sticks."""
+    """How the arm swings: peak to peak [rad], period [s], part of the time in which it sticks.
+
+    NaN is none.
+    """
     if np.isnan(period):
         return f"The arm moves by {angle(peak_to_peak)}, without a period."
-    sticks = f"; it sticks {100 * stuck:.0f} % of the time" if stuck else ""
+    sticks = f"; it sticks {100 * stuck:.0f} % of the time" if stuck > 0.0 else ""
     return f"The arm swings by {angle(peak_to_peak)} every {period:.3g} s{sticks}."
 
 
@@ -36,8 +38,8 @@ class Outcome(Found):
     """What was measured of a run in its settled part; ``fell`` refers to the whole run.
 
     Fields: ``phi_peak_to_peak_rad``, ``theta_peak_to_peak_rad``, ``period_s`` (NaN without one),
-    ``stuck_fraction``, ``phi_rms_rad``, ``command_rms_v``, ``command_step_v``,
-    ``command_high_frequency_v``, ``friction_error_rms_v``, ``fell``, ``steps``.
+    ``stuck_fraction`` (NaN without friction), ``phi_rms_rad``, ``command_rms_v``,
+    ``command_step_v``, ``command_high_frequency_v``, ``friction_error_rms_v``, ``fell``, ``steps``.
     """
 
     found: Measured
@@ -59,21 +61,17 @@ class Run(Found):
     """
 
     found: Record
-    details = frozenset({"steps"})
+    details = frozenset({*Measured._fields} - {*Oscillation._fields, "fell"})
 
     def __init__(self, found: Record, loop: Loop) -> None:
         super().__init__(found)
         self.loop = loop
 
     @cached_property
-    def _oscillation(self) -> dict[str, Any]:
-        """What is measured in the second half."""
+    def outcome(self) -> Outcome:
+        """What :func:`furuta.measure` returns of the same run."""
         record = self.found
-        settled = slice(len(record.command) // 2, None)
-        measured = measure_oscillation(record.state[settled], record.sample_time)._asdict()
-        if highest_level(self.loop.plant.friction.parameters) < FRICTIONLESS:
-            measured["stuck_fraction"] = float("nan")  # nothing holds the arm
-        return plain(measured)  # type: ignore[no-any-return]
+        return Outcome(outcome_of([record], self.loop.plant, len(record.command)))
 
     @cached_property
     def fell_at(self) -> float:
@@ -81,19 +79,15 @@ class Run(Found):
         below = np.flatnonzero(has_fallen(self.found.state))
         return float(below[0]) * self.found.sample_time if len(below) else float("nan")
 
-    def to_dict(self) -> dict[str, Any]:
-        """What is measured in the second half: peak to peak, period, and whether it fell."""
-        fell = not np.isnan(self.fell_at)
-        return {**self._oscillation, "fell": fell, "steps": len(self.found.command)}
+    def _by_name(self) -> dict[str, Any]:
+        """What is measured in the second half, and whether the pendulum fell in the whole run."""
+        return self.outcome._by_name()
 
     def sentence(self) -> str:
         """How the arm swings in the second half, or when the pendulum fell."""
         if not np.isnan(self.fell_at):
             return f"The pendulum fell after {self.fell_at:.3g} s{self._why()}. {NO_MEANING}"
-        swing, stuck = self._oscillation, self._oscillation["stuck_fraction"]
-        return swing_sentence(
-            swing["phi_peak_to_peak_rad"], swing["period_s"], 0.0 if np.isnan(stuck) else stuck
-        )
+        return self.outcome.sentence()
 
     def _why(self) -> str:
         """Why the pendulum fell, if that is evident."""

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from textwrap import fill
 from typing import Any, ClassVar
 
-import numpy as np
-
+from furuta.results.plain import plain
 from furuta.results.text import WIDTH, values_text
 from furuta_model.parameters import ParameterError
 
@@ -24,8 +23,16 @@ class Result(ABC):
     details: ClassVar[frozenset[str]] = frozenset()
 
     @abstractmethod
+    def _by_name(self) -> dict[str, Any]:
+        """Everything by name."""
+
     def to_dict(self) -> dict[str, Any]:
-        """Everything by name, as numbers, text, lists and dictionaries."""
+        """Everything by name, as numbers, text, lists and dictionaries; None for no finite value.
+
+        ``json.dumps`` takes it.
+        """
+        values: dict[str, Any] = plain(self._by_name())
+        return values
 
     def sentence(self) -> str:
         """What was found, in words."""
@@ -73,19 +80,6 @@ class Found(Result):
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *dir(self.found)})
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The fields of what was found."""
-        return {name: plain(value) for name, value in self.found._asdict().items()}
-
-
-def plain(value: Any) -> Any:
-    """The value without numpy and named tuples; a complex number as real and imaginary part."""
-    if hasattr(value, "_asdict"):
-        value = value._asdict()
-    if isinstance(value, Mapping):
-        return {name: plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(each) for each in value]
-    if isinstance(value, np.ndarray | np.generic):
-        return plain(value.tolist())
-    return [value.real, value.imag] if isinstance(value, complex) else value
+        return dict(self.found._asdict())

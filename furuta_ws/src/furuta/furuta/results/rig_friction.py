@@ -16,7 +16,7 @@ class MeasuredFriction(Found):
 
     found: FrictionLevels
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Levels by direction, and the parameters of friction that follow, with ``units``."""
         derived = {name: getattr(self.found, name) for name in ("alpha0", "alpha1", "asymmetry")}
         values = {**self.found._asdict(), **derived}

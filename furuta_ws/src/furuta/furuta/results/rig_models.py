@@ -17,7 +17,7 @@ from furuta.identification.result.rig_friction import rig_friction
 from furuta.identification.result.values import coloured, fits, values_by_name, verdict_on
 from furuta.identification.verdict import Verdict
 from furuta.results.identified import JointFit, findings_text, verdict_sentence
-from furuta.results.result import Found, plain
+from furuta.results.result import Found
 from furuta.results.text import values_text
 from furuta_hw.rigs.rig import Rig
 from furuta_recordings.recording import findings_of
@@ -55,14 +55,14 @@ class RigModel(Found):
     @cached_property
     def _values(self) -> dict[str, Any]:
         """The values by name; their errors take long, with slopes in all unknowns."""
-        return plain(values_by_name(self.found))  # type: ignore[no-any-return]
+        return values_by_name(self.found)
 
     @cached_property
     def verdict(self) -> Verdict:
         """Whether the model is usable, and why not."""
         return verdict_on(self.found, self.fitted)
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Values with ``standard_errors`` and ``units`` by name, fits [%], verdict, findings.
 
         A value is None if the data do not determine it; ``undetermined`` has the reason.
@@ -70,7 +70,7 @@ class RigModel(Found):
         values = dict(self._values)
         findings = values.pop("findings") + findings_of([run.recording for run in self.held_out])
         if self.laws:
-            values["friction_laws"] = [plain(law) for law in self.laws]
+            values["friction_laws"] = self.laws
             values["simplest_adequate_law"] = simplest_adequate_law(self.laws).law
         return {
             **values,
@@ -157,11 +157,11 @@ class FreeSwing(JointFit):
     found: free_swing.FreeSwing
     details = JointFit.details | {"coloured_percent"}
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Values by name, standard errors, fit of the angle [%], verdict and findings."""
         runs = {run.recording.name: run for run in self.found.predictions}
         return {
-            **super().to_dict(),
+            **super()._by_name(),
             "fit": {name: run.fits()["pendulum angle"] for name, run in runs.items()},
             "coloured_percent": {name: coloured(run) for name, run in runs.items()},
         }

@@ -17,7 +17,7 @@ from furuta.axis.simulation import AxisRecord, simulate_axis
 from furuta.limit_cycles.joint import trace_joint
 from furuta.results.cycles import JointCycle, joint_sentence
 from furuta.results.identified import AxisFit
-from furuta.results.result import Found, plain
+from furuta.results.result import Found
 from furuta.results.table import Table
 from furuta.results.text import angle, values_text
 from furuta_model.parameters import ParameterError
@@ -97,17 +97,17 @@ class AxisStudy(Found):
         """The units of position and torque: rad and N m, or m and N."""
         return self.fit.found.recordings[0].units if self.fit is not None else ("rad", "N m")
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The motion from rest, then the others, the compensations, and what a recording allows.
 
         Names end in rad and nm whatever the units are; ``units`` has those of position and torque.
         """
         rows = []
         for start, motion in self.motions.items():
-            row = {"start": start, **motion.to_dict()}
+            row = {"start": start, **motion._by_name()}
             rows.append(row | {"peak_to_peak_rad": row.pop("peak_to_peak")})
         values: dict[str, Any] = {
-            **({} if self.fit is None else {"identified": self.fit.to_dict()}),
+            **({} if self.fit is None else {"identified": self.fit._by_name()}),
             **rows[0],
             "other_motions": [{name: row[name] for name in OF_OTHERS} for row in rows[1:]],
             "compensations": [],
@@ -124,14 +124,14 @@ class AxisStudy(Found):
             }
         if self.comparison is not None:
             values |= {
-                "compensations": [plain(row) for row in self.comparison.residuals],
+                "compensations": self.comparison.residuals,
                 "still_hunts": self.still_hunts,
                 "ends_hunting": None if self.quiet is None else self.quiet.sentence(),
                 "gains": self._gains(),
                 **{f"{name}_s": each for name, each in self.sampling._asdict().items()},
             }
             values["counts"] = values.pop("counts_s")
-        return values | ({} if self.proof is None else {"proof": plain(self.proof)})
+        return values | ({} if self.proof is None else {"proof": self.proof})
 
     def _gains(self) -> list[dict[str, Any]]:
         quiet = None if self.quiet is None else self.quiet.controller
@@ -269,7 +269,7 @@ class AxisRun(Found):
 
     found: AxisRecord
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Largest error and its peak to peak in the second half, and the chatter of the torque."""
         settled = slice(len(self.found.time) // 2, None)
         error, steps = self.found.error[settled], np.diff(self.found.torque[settled])

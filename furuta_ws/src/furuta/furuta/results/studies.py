@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.results.result import Found, Result, plain
+from furuta.results.result import Found, Result
 from furuta.results.table import Table
 from furuta.results.text import angle, table_text, values_text
 from furuta.studies import trials
@@ -45,6 +45,8 @@ ALL = CANDIDATE | {
     "delay_margin_s": "delay margin [s]",
     "pushes_survived": "pushes survived",
 }
+# What is said of the runs of a sweep.
+COUNTED = ("runs", "fell", "impossible", "smallest", "largest")
 BEST = {"best_bandwidth": "best bandwidth [1/s]", "residual_at_best_rad": "with it [rad]"}
 
 
@@ -66,12 +68,11 @@ class Runs(Table):
         super().__init__(columns(rows))
         self.found, self.file = found, file
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """How many runs there are, the extreme ones, and the rows or their file."""
         found = self.found
         return {
-            **{name: getattr(found, name) for name in ("runs", "fell", "impossible")},
-            **{name: plain(getattr(found, name)) for name in ("smallest", "largest")},
+            **{name: getattr(found, name) for name in COUNTED},
             **({"file": str(self.file)} if self.file else {"rows": self.dictionaries()}),
         }
 
@@ -89,7 +90,7 @@ class Runs(Table):
         return text
 
     def _point(self, row: Mapping[str, Any]) -> str:
-        values = (f"{name} = {plain(row[name])}" for name in self.found.parameters)
+        values = (f"{name} = {row[name]}" for name in self.found.parameters)
         return f"{', '.join(values)}, by {angle(row[SIZE])}"
 
     def report(self) -> str:
@@ -148,7 +149,7 @@ class Comparison(Table):
         self.impossible = impossible
         self.best = best.candidate if best else None
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The ``ranking`` and the best here; of named rigs also each residual."""
         found = self.found
         result: dict[str, Any] = {
@@ -199,13 +200,12 @@ class Comparison(Table):
 
     def report(self) -> str:
         """A sentence, the ranking, and what is known of each rig."""
-        rows = [{name: _known(each) for name, each in row.items()} for row in self.dictionaries()]
-        parts = [self.text(rows, self.rows, ALL if self.every_column else CANDIDATE)]
+        parts = [self.text(self.dictionaries(), self.rows, ALL if self.every_column else CANDIDATE)]
         names = self.found.candidates if self.by_rig else []
         best = self.best_bandwidths or len(self.found.rigs) * [{}]
         if self.by_rig or self.best_bandwidths:
             rows = [
-                {"rig": rig, **row, **dict(zip(names, map(_known, sizes.tolist()), strict=False))}
+                {"rig": rig, **row, **dict(zip(names, sizes, strict=False))}
                 for rig, row, sizes in zip(
                     self.found.rigs, best, self.found.residual.T, strict=True
                 )
@@ -220,10 +220,6 @@ class Comparison(Table):
         from furuta.figures.comparison import draw_comparison
 
         return draw_comparison(self.found, list(self["candidate"]), self.encoder_count, axes)
-
-
-def _known(value: Any) -> Any:
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 class SwingUp(Found):
@@ -243,9 +239,9 @@ class SwingUp(Found):
         super().__init__(starts_summary(runs))
         self.runs, self.knocks = list(runs), knocks
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The fields, and those of the knocks."""
-        return super().to_dict() | (plain(self.knocks) if self.knocks else {})
+        return super()._by_name() | (self.knocks._asdict() if self.knocks else {})
 
     def sentence(self) -> str:
         """How many starts are upright in time, and whether the limits were kept."""
@@ -280,11 +276,11 @@ class Tuning(Found):
 
     found: trials.TuningResult
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """Changed parameters by node, and all trials."""
         found = self.found
         return {
-            "parameters": plain(found.parameters),
+            "parameters": found.parameters,
             "before": _trial(found.before),
             "after": _trial(found.after),
             "trials": [_trial(each) for each in found.trials],
@@ -316,7 +312,7 @@ class Tuning(Found):
         rows = [
             {
                 "trial": each.title,
-                SIZE: _known(each.swing),
+                SIZE: each.swing,
                 "remark": "result" if each == self.found.after else each.remark,
             }
             for each in self.found.trials
@@ -337,7 +333,7 @@ def _trial(trial: trials.Trial) -> dict[str, Any]:
         "compensation": trial.name,
         "scale": trial.scale,
         "lag_s": trial.lag,
-        SIZE: _known(trial.swing),
+        SIZE: trial.swing,
         "given_up": trial.given_up,
     }
 
@@ -362,7 +358,7 @@ class Demo(Result):
         self.recorded, self.phases, self.encoder_count = recorded, phases, encoder_count
         self.rows, self.more = evaluate(phases, recorded), more
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The ``runs``, one per phase, and what else is known."""
         return {"runs": self.rows, **self.more}
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta.results.result import Result, plain
+from furuta.results.plain import plain
+from furuta.results.result import Result
 from furuta.results.text import WIDTH, table_text
 from furuta_recordings.table_files import write_columns
 
@@ -31,12 +32,12 @@ class Table(dict[str, np.ndarray], Result):
         return len(next(iter(self.values()), ()))
 
     def row(self, number: int) -> dict[str, Any]:
-        """A row by the names of the columns."""
+        """A row by the names of the columns; None is no value."""
         return {name: plain(column[number]) for name, column in self.items()}
 
-    def to_dict(self) -> dict[str, Any]:
+    def _by_name(self) -> dict[str, Any]:
         """The columns as lists."""
-        return {name: plain(column) for name, column in self.items()}
+        return dict(self)
 
     def sentence(self) -> str:
         """How large the table is."""
@@ -55,7 +56,8 @@ class Table(dict[str, np.ndarray], Result):
     ) -> str:
         """The sentence and some of a ``number`` of rows."""
         more = "\n..." if number > len(rows) else ""
-        return f"{fill(self.sentence(), WIDTH)}\n\n{table_text(rows, headings)}{more}"
+        parts = fill(self.sentence(), WIDTH), table_text(rows, headings) + more
+        return "\n\n".join(filter(None, parts))
 
     def write(self, path: str | Path) -> None:
         """Write the columns to a file, whose suffix determines its format.

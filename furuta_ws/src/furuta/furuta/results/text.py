@@ -8,6 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
+from furuta.results.plain import plain
+
 # Characters of a line, of the name of a value, and between two columns.
 WIDTH, NAME, GAP = 80, 24, 2
 # Characters of a line of a title, and the units in which names end.
@@ -17,6 +19,10 @@ UNITS = {"_rad_s": "rad/s", "_1_s": "1/s", "_rad": "rad", "_s": "s", "_v": "V"}
 COMPLEX = ("poles", "zeros", "multipliers")
 # What stands beside the values of the same names.
 BESIDE = ("standard_errors", "units")
+# What stands for a value in a row that has none.
+NONE = "–"
+# Values that are none.
+MISSING: tuple[Any, ...] = (None, [], {}, "")
 # A number that was given as text.
 _NUMBER = re.compile(r"[-+.\deE]+")
 
@@ -31,13 +37,13 @@ def values_text(values: Mapping[str, Any], indent: str = "") -> str:
 
     Where there are ``standard_errors`` and ``units`` by name, they stand beside the values.
     """
-    return "\n".join(_lines(values, indent))
+    return "\n".join(_lines(plain(values), indent))
 
 
 def _lines(values: Mapping[str, Any], indent: str) -> Iterator[str]:
     errors, units = (values.get(name) or {} for name in BESIDE)
     for name, value in values.items():
-        if _is_missing(value) or name in BESIDE:
+        if value in MISSING or name in BESIDE:
             continue
         title = f"{indent}{escaped(name):<{max(0, NAME - len(indent))}}"
         if isinstance(value, Mapping):
@@ -51,11 +57,6 @@ def _lines(values: Mapping[str, Any], indent: str) -> Iterator[str]:
             yield from _wrapped(title, f"{_value(name, value)}{error} {units.get(name, '')}")
 
 
-def _is_missing(value: Any) -> bool:
-    is_number = isinstance(value, float)
-    return value is None or (is_number and math.isnan(value)) or value in ([], (), {}, "")
-
-
 def _wrapped(title: str, text: str) -> Iterator[str]:
     """The title and the text beside it, which goes on below itself."""
     # A name may be longer than its column; a word longer than the line stays whole.
@@ -66,12 +67,16 @@ def _wrapped(title: str, text: str) -> Iterator[str]:
 
 
 def _value(name: str, value: Any) -> str:
-    if name.endswith(COMPLEX) and isinstance(value, list | tuple):
-        return ", ".join(f"{real:.4g}{imaginary:+.4g}j" for real, imaginary in value)
-    if isinstance(value, list | tuple) and value and isinstance(value[0], list | tuple):
+    if name.endswith(COMPLEX) and isinstance(value, list):
+        return ", ".join(map(_complex, value))
+    if isinstance(value, list) and value and isinstance(value[0], list):
         return ", ".join(f"[{rounded(row)}]" for row in value)
-    degrees = isinstance(value, float) and name.endswith("_rad") and math.isfinite(value)
+    degrees = isinstance(value, float) and name.endswith("_rad")
     return rounded(value) + (f"  ({math.degrees(value):.3g}°)" if degrees else "")
+
+
+def _complex(parts: Sequence[float | None]) -> str:
+    return NONE if None in parts else "{:.4g}{:+.4g}j".format(*parts)
 
 
 def escaped(text: str) -> str:
@@ -83,6 +88,8 @@ def rounded(value: Any) -> str:
     """A value for people: a number with six digits, which is more than is known."""
     if isinstance(value, list | tuple):
         return ", ".join(map(rounded, value)) or "none"
+    if value is None:
+        return NONE
     if isinstance(value, bool):
         return "yes" if value else "no"
     return f"{value:.6g}" if isinstance(value, float) else escaped(str(value))
@@ -96,9 +103,11 @@ def table_text(
     ``headings`` are the names that are shown, with their titles; by default all. Columns beyond the
     width of the text continue below, beside the first one. No value is cut.
     """
-    rows = list(rows)
+    rows = plain(list(rows))
     titles = headings or {name: heading(name) for row in rows for name in row}
-    height = max((len(_title_lines(title)) for title in titles.values()), default=0)
+    if not titles:
+        return ""
+    height = max(len(_title_lines(title)) for title in titles.values())
     columns = [_column(title, name, rows, height) for name, title in titles.items()]
     first, room = columns[0], WIDTH - len(indent) - len(columns[0][0]) - GAP
     blocks: list[list[Sequence[str]]] = [[]]
@@ -144,6 +153,6 @@ def _column(title: str, name: str, rows: Sequence[Mapping[str, Any]], height: in
 
 
 def _cell(value: Any) -> str:
-    if _is_missing(value):
-        return "–"
+    if value in MISSING:
+        return NONE
     return f"{value:.3g}" if isinstance(value, float) else rounded(value)

@@ -26,6 +26,7 @@ from furuta.identification.axis.effects import (
 )
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
 from furuta.identification.axis.start import SLIDES
+from furuta.identification.errors import inverse
 from furuta.identification.least_squares import Fit, Linearised, State
 from furuta.identification.regression.windows import Windows, shortest
 from furuta.identification.selection import chance_of
@@ -193,7 +194,7 @@ def fitted_balance(rows: Rows, keys: Sequence[Key], scales: Scales, values: Valu
     noise = float(np.std(rows.torque - columns @ free)) or 1e-300
     x, y = columns / noise, rows.torque / noise
     information = x.T @ x + np.diag(prior)
-    step = np.linalg.solve(information, x.T @ y)
+    step = inverse(information) @ (x.T @ y)
     left = y - x @ step
     starts = np.flatnonzero(np.diff(rows.block, prepend=-1.0))
     scores = np.add.reduceat(x * left[:, None], starts)

@@ -8,6 +8,7 @@ import numpy as np
 
 from furuta.identification.bodies.axis import Axis, wave
 from furuta.identification.bodies.body import Segments
+from furuta.identification.errors import inverse
 from furuta.identification.least_squares import (
     COARSE,
     FINE,
@@ -282,9 +283,9 @@ def covariance_with_missed(cut: Segments, best: Fit, scales: Scales, drift: bool
         if name in known:
             continue
         about = _about(cut, best, (*known, name), scales)
-        shift = np.linalg.solve(about.information, about.gradient)[:-1]
-        wider = np.linalg.inv(about.information)[:-1, :-1]
-        wider -= np.linalg.inv(about.information[:-1, :-1])
+        inverted = inverse(about.information)
+        shift = (inverted @ about.gradient)[:-1]
+        wider = inverted[:-1, :-1] - inverse(about.information[:-1, :-1])
         covered = covered + np.outer(shift, shift) + inflation * wider
     return covered
 

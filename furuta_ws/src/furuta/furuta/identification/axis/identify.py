@@ -60,8 +60,9 @@ DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
 BY_CHANCE = 1e-3
-# Correlation from which friction and offset are one: the axis slides in one direction only.
-ONE_WAY = 0.999
+# Correlation from which friction and offset are one, and part of the largest speed up to which an
+# axis does not turn back: it slides in one direction only.
+ONE_WAY, BACKWARD = 0.999, 0.01
 # What is said of a value that may be 0, and of a fit of the torques.
 NOT_DISTINGUISHABLE = "not distinguishable from 0"
 BALANCED = "fitted to the torque while the axis slides, because it does not predict the motion"
@@ -298,7 +299,7 @@ def _result(
     else:
         covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
     values, errors, undetermined = reported_values(best, covered)
-    one_way = _one_way(best, covered)
+    one_way = _one_way(recordings, best, covered)
     undetermined |= one_way
     if torques is None:
         alternatives = alike(cut, best, scales).items()
@@ -373,18 +374,24 @@ def reported_values(
     return values, errors, undetermined
 
 
-def _one_way(best: Fit, covered: np.ndarray) -> dict[str, str]:
-    """Why Coulomb level and offset are not determined if the axis slides in one direction only."""
+def _one_way(recordings: Sequence[Recording], best: Fit, covered: np.ndarray) -> dict[str, str]:
+    """Why level, offset and asymmetry are not determined if the axis slides in one direction only.
+
+    Either it never turns back, or their errors are one.
+    """
     keys = best.unknowns.keys
     if not {"alpha0", ("offset", 0)} <= set(keys):
         return {}
     level, offset = keys.index("alpha0"), keys.index(("offset", 0))
     correlation = covered[level, offset] / np.sqrt(covered[level, level] * covered[offset, offset])
-    if not abs(correlation) > ONE_WAY:
+    speed = np.concatenate([smoothed(recording).speed for recording in recordings])
+    side = np.sign(np.mean(speed))
+    turns_back = np.min(side * speed) < -BACKWARD * np.max(np.abs(speed))
+    if turns_back and not abs(correlation) > ONE_WAY:
         return {}
-    total = best.values["offset", 0] - np.sign(correlation) * best.values["alpha0"]
+    total = best.values["offset", 0] + side * best.values["alpha0"]
     reason = f"only level and offset together are, {total:.3g}: the axis slides in one direction"
-    return {"alpha0": reason, "offset": reason}
+    return dict.fromkeys(("alpha0", "offset", "asymmetry"), reason)
 
 
 def _together(key: Key, best: Fit) -> Group:
