@@ -259,6 +259,33 @@ def test_a_cart_with_a_pendulum_has_one_period_from_all_starts(start: list[float
     assert cycle.period_s == pytest.approx(9.386273, abs=1e-6)
 
 
+@pytest.mark.parametrize("x", [(0.1, 0.05), (0.2, 0.05), (0.1, 0.0), (0.0, 0.02), (1e-8, 0.0)])
+def test_a_cart_that_creeps_past_an_unstable_rest_is_not_at_rest(x: tuple[float, float]) -> None:
+    """By an integration of others with events, DOP853 at tolerances of 1e-7 and 1e-10."""
+    a = np.zeros((4, 4))
+    a[0, 1] = a[2, 3] = 1.0
+    a[1] = 25.19616457796809, 19.208869873079223, -81.55622456154812, -19.0959613532984
+    a[3] = 46.504310626208095, 35.45362027588904, -132.43975074254266, -35.245226142727034
+    b = np.array([0.0, 0.7246609826490673, 0.0, 1.3374995758391375])
+    friction = Friction(
+        alpha0=1.0552872772014696,
+        alpha1=0.4370600014058327,
+        stribeck_velocity=0.06974245901777326,
+        asymmetry=-0.06003256651439831,
+        sigma0=757.9445288231205,
+        sigma1=16.029289679072516,
+    )
+    cart = joint(a, b, np.eye(4)[1], friction, "lugre")
+    cycle = joint_cycle(cart, np.array([x[0], 0.0, x[1], 0.0]))
+    assert (cycle.kind, cycle.stable) == ("limit_cycle", True)
+    assert cycle.peak_to_peak == pytest.approx(0.08556968, abs=1e-8)
+    assert cycle.period_s == pytest.approx(17.865258, abs=1e-6)
+    path = trace_joint(cart, cycle)
+    assert path.time[-1] == pytest.approx(cycle.period_s)
+    exactly = joint_cycle(cart, np.zeros(4))
+    assert (exactly.kind, exactly.stable) == ("rest", False)
+
+
 def test_a_cycle_has_its_smallest_period(monkeypatch: pytest.MonkeyPatch) -> None:
     """A motion that nears it from both sides in turn comes near itself after two periods first."""
     made = servo_joint(Axis(0.01, Friction(alpha0=0.1, alpha1=0.1), "stiction"), PID, 0.1)

@@ -1,63 +1,13 @@
-"""Every result is a dictionary, a text and a figure, in the words of the table in CONTRIBUTING."""
+"""What results say first, and how their values become text."""
 
-import copy
-import json
-import pickle
+import re
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import furuta
-from furuta.results.result import Result
 from furuta.results.text import WIDTH, table_text, values_text
-
-FRICTION = furuta.Friction(alpha0=1.0, alpha1=0.5)
-JOINT = furuta.friction_joint(
-    (np.array([[-1.0, 4.0, 1.5], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), [1.0, 0.0, 0.0], [1, 0, 0]),
-    FRICTION,
-    "stiction",
-)
-OMEGAS = {"omega1": [6.0, 7.0], "omega2": [5.0]}
-RESULTS: dict[str, Any] = {
-    "simulate": lambda: furuta.simulate(seconds=12.0),
-    "measure": lambda: furuta.measure(seconds=12.0),
-    "limit_cycle": furuta.limit_cycle,
-    "joint": lambda: furuta.limit_cycle(JOINT),
-    "predict_cycles": furuta.predict_cycles,
-    "prediction of a joint": lambda: furuta.predict_cycles(JOINT),
-    "cycle_branch": lambda: furuta.cycle_branch(None, "viscous", 0.0, 0.02),
-    "cycle_map": lambda: furuta.cycle_map(None, OMEGAS),
-    "linear_model": lambda: furuta.linear_model(nyquist=True, passivity=True),
-    "series": lambda: furuta.simulate(seconds=0.1).series(),
-}
-WITHOUT_FIGURE = ("measure", "prediction of a joint")
-
-
-@pytest.mark.parametrize("name", RESULTS)
-def test_results_have_one_form(name: str) -> None:
-    """A dictionary of plain values, text within the width, a figure; and they can be copied."""
-    result = RESULTS[name]()
-    assert isinstance(result, Result)
-    text = json.dumps(result.to_dict())
-    assert json.loads(text).keys() == result.to_dict().keys()
-    lines = result.report().splitlines()
-    assert lines and max(map(len, lines)) <= WIDTH
-    assert repr(result) == result.report()
-    assert json.dumps(pickle.loads(pickle.dumps(copy.copy(result))).to_dict()) == text
-    if name in WITHOUT_FIGURE:
-        with pytest.raises(furuta.ParameterError, match="no figure"):
-            result.plot()
-        return
-    axes = result.plot()
-    size = np.size(axes)
-    figure, own = plt.subplots(size, squeeze=False)
-    assert all(axis.figure is figure for axis in np.ravel(result.plot(own)))
-    assert all(axis.has_data() for axis in np.ravel(own))
-    with pytest.raises(furuta.ParameterError, match=rf"has {size} axes, given {size + 1}"):
-        result.plot(plt.subplots(size + 1)[1])
-    plt.close("all")
 
 
 @pytest.mark.parametrize(
@@ -82,13 +32,14 @@ def test_a_run_that_fell_says_so_first() -> None:
 def test_without_friction_nothing_sticks() -> None:
     without = {"plant.friction.alpha0": 0.0, "plant.friction.alpha1": 0.0}
     run = furuta.simulate(furuta.make_loop(without), 5.0)
-    assert "stick" not in run.report()
-    assert "stuck" not in run.report()
+    assert not re.search("stick|stuck", run.report())
 
 
-def test_text_shows_what_is_known() -> None:
+@pytest.mark.parametrize("kind", [float, np.float64, np.float32, np.array])
+def test_text_shows_what_is_known(kind: Any) -> None:
     """Units and errors beside values, degrees beside angles; nothing without a value."""
-    values = {"a": 1.5, "b_rad": np.pi, "c": None, "d": [], "e": float("nan"), "f": True}
+    values = {"a": kind(1.5), "b_rad": np.pi, "c": None, "d": np.array([]), "f": np.bool_(True)}
+    values |= {"e": kind(np.nan), "g": kind(-np.inf)}
     beside = {"units": {"a": "N m"}, "standard_errors": {"a": 0.25}}
     lines = values_text(values | beside).splitlines()
     assert [line.split() for line in lines] == [

@@ -89,6 +89,8 @@ def test_a_sweep_is_drawn_as_curves_or_as_a_map() -> None:
     assert [line.get_label() for line in axis.lines] == ["none", "coulomb"]
     drawn = texts["phi_peak_to_peak_rad"][texts["compensation"] == "coulomb"]
     assert axis.lines[1].get_ydata() == pytest.approx(drawn)
+    alone = furuta.sweep({"omega1": [6.0, 7.0, 8.0]}, seconds=0.1).plot()
+    assert [len(line.get_xdata()) for line in alone.lines] == [3]
     grid = furuta.sweep(
         {"omega1": np.linspace(6, 8, 11), "omega2": np.linspace(4, 6, 12)}, None, 0.1
     )

@@ -43,7 +43,7 @@ def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
     status, out, err = furuta("tune", "--seconds", "110", *given, *options)
     assert status == 0, err
     found = json.loads(out)
-    assert found["after"]["phi_peak_to_peak_rad"] < found["before"]["phi_peak_to_peak_rad"]
+    assert found["after"]["swing_rad"] < found["before"]["swing_rad"]
     assert found["pendulum_seconds"] <= 110
     assert found["trials"][0] == found["before"]
     assert {node: read_file(file)[node] for node in found["parameters"]} == found["parameters"]

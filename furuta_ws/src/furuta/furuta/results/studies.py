@@ -333,7 +333,7 @@ def _trial(trial: trials.Trial) -> dict[str, Any]:
         "compensation": trial.name,
         "scale": trial.scale,
         "lag_s": trial.lag,
-        SIZE: trial.swing,
+        "swing_rad": trial.swing,  # of the estimates: no other result has it
         "given_up": trial.given_up,
     }
 

@@ -309,7 +309,7 @@ def _result(
         for each in (values, errors)
     )
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
-        value, error = best.values["alpha1"], stiction_error(cut, best)
+        value, error = float(best.values["alpha1"]), float(stiction_error(cut, best))
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
             values["alpha1"], errors["alpha1"] = value, error
         else:

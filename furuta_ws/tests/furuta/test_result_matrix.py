@@ -1,0 +1,360 @@
+"""Every public function over many situations: its results print, draw, copy and agree."""
+
+import copy
+import inspect
+import json
+import pickle
+import re
+import warnings
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import furuta
+from furuta import results
+from furuta.results.text import WIDTH
+from furuta_hw.commissioning.friction import FrictionLevels
+from furuta_model.friction.names import LAWS
+
+LIBRARY = Path(__file__).resolve().parents[3] / "docs" / "library.md"
+# Situations of the pendulum's loop: parameters, and seconds of a run. The first run in `make test`.
+QUICK_LOOPS: dict[str, tuple[dict[str, Any], float]] = {
+    "paper": ({}, 12.0),
+    "no friction": ({"plant.friction.alpha0": 0.0, "plant.friction.alpha1": 0.0}, 12.0),
+    "fell": ({"plant.friction.alpha0": 21.0}, 5.0),
+    "between rests": ({"zeta1": 1.25}, 12.0),
+    "off": ({"enabled": False}, 3.0),
+    "one sample": ({}, 1e-3),
+}
+LOOPS = QUICK_LOOPS | {
+    "unbounded": ({"gain": [0.0, 0.0, -60.0, -20.0], "friction.law": "coulomb"}, 12.0),
+    "turns": ({"gain": [0.0, -7.0, -60.0, -20.0]}, 12.0),
+    "at rest": ({"initial.theta": 0.0, "sensors.ideal": True}, 12.0),
+    "compensated": ({"compensation": "recommended"}, 12.0),
+    "unstable": ({"gain": [0.0, 0.0, 60.0, 20.0]}, 3.0),
+    "two samples": ({}, 2e-3),
+    "slow samples": ({"sample_time": 0.02}, 5.0),
+    "no sensors": ({"sensor_faults.missing": 1.0}, 3.0),
+    "elastic": ({"coupling.frequency": 30.0}, 5.0),
+    "falls at once": ({"plant.friction.law": "stribeck", "stribeck_velocity": 1e-6}, 6.0),
+    **{f"law {law}": ({"plant.friction.law": law}, 6.0) for law in LAWS},
+}
+OF_LOOPS: dict[str, Callable[[Any, float], Any]] = {
+    "simulate": furuta.simulate,
+    "measure": furuta.measure,
+    "limit_cycle": lambda loop, _: furuta.limit_cycle(loop),
+    "predict_cycles": lambda loop, _: furuta.predict_cycles(loop),
+    "linear_model": lambda loop, _: furuta.linear_model(loop, nyquist=True, passivity=True),
+    "sweep": lambda loop, s: furuta.sweep({"alpha0": [0.1, 0.2], "omega1": [7.0]}, loop, min(s, 3)),
+    "series": lambda loop, s: furuta.simulate(loop, min(s, 0.1)).series(),
+}
+SLIDING = furuta.Friction(alpha0=0.1, alpha1=0.05, viscous=0.02, stribeck_velocity=0.05)
+SMOOTH = furuta.Friction(alpha0=0.0, alpha1=0.0)
+AXES: dict[str, tuple[furuta.Axis, Any, float]] = {
+    "hunts": (furuta.Axis(0.01, SLIDING, "stiction"), furuta.Pid(2.0, 6.0, 0.12), 0.0),
+    "steady": (furuta.Axis(0.01, SLIDING, "stribeck"), furuta.Cascade(10.0, 0.3, 1.0), 3.0),
+    "rests": (furuta.Axis(0.01, SLIDING, "stribeck"), furuta.Pid(2.0, 0.0, 0.12), 0.0),
+    "unbounded": (furuta.Axis(0.01, SLIDING, "coulomb"), furuta.Pid(2.0, 600.0, 0.0), 0.0),
+    "frictionless": (furuta.Axis(0.01, SMOOTH, "coulomb"), furuta.Pid(2.0, 6.0, 0.2), 0.0),
+    "backwards": (furuta.Axis(0.01, SLIDING, "stribeck"), furuta.Pid(2.0, 6.0, 0.12), -0.02),
+    "no gains": (furuta.Axis(0.01, SLIDING, "stribeck"), furuta.Pid(0.0), 0.0),
+}
+TIME = 2e-3 * np.arange(4000)
+MOVES = 0.6 * np.sin(4.4 * TIME) + 0.2 * np.sin(11.9 * TIME)
+PATHS = {
+    "both ways": MOVES,
+    "one way": 5.0 * TIME + 0.5 * MOVES,
+    "rests": 0.0 * TIME,
+    "steps": 0.3 * np.sign(np.sin(2.0 * TIME)) + 0.02 * TIME,
+}
+JOINT = (
+    np.array([[-1.0, 4.0, 1.5], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+    [1.0, 0.0, 0.0],
+    [1, 0, 0],
+)
+
+
+def loop_of(name: str) -> tuple[Any, float]:
+    """The loop of a situation, and the seconds of its run."""
+    values, seconds = LOOPS[name]
+    return furuta.make_loop(values), seconds
+
+
+def joint_of(level: float = 1.0) -> Any:
+    """A linear loop that hunts."""
+    return furuta.friction_joint(JOINT, furuta.Friction(alpha0=level, alpha1=0.5), "stiction")
+
+
+@cache
+def recorded(path: str, law: str) -> Any:
+    """A recorded axis."""
+    axis, moves = furuta.Axis(0.01, SLIDING, law), PATHS[path]
+    given: dict[str, Any] = {"reference": moves, "counts": 2**17, "sample_time": 2e-3}
+    return furuta.simulate_axis(axis, furuta.Pid(4.0, 6.0, 0.2), seconds=8.0, **given).recording
+
+
+@cache
+def fit(path: str, law: str, units: tuple[str, str] = ("rad", "N m")) -> Any:
+    """What such a recording tells."""
+    return furuta.identify_axis(recorded(path, law)._replace(units=units))
+
+
+def excited() -> Any:
+    """A recording of the pendulum that determines a model."""
+    loop = furuta.make_loop({"excitation.kind": "multisine", "excitation.amplitude": 1.0})
+    run = furuta.simulate(loop, 8.0)
+    drive = run.time, run.command
+    return furuta.Recording("run", run.time, run.measurement[:, :4], *drive)
+
+
+def free() -> Any:
+    """A recording of the pendulum that swings freely."""
+    hanging = {"enabled": False, "initial.theta": 2.8, "potentiometer_range": 6.2}
+    run = furuta.simulate(furuta.make_loop(hanging), 8.0)
+    none = np.empty(0)
+    return furuta.Recording("free", run.time, run.measurement[:, :4], none, none)
+
+
+def exported(folder: Path) -> Any:
+    """Files in C."""
+    return furuta.export_c(furuta.make_loop({}), folder / "c")
+
+
+def read_back(folder: Path) -> Any:
+    """The series of a file."""
+    furuta.simulate(seconds=0.1).write(folder / "run.csv")
+    return furuta.load_series(folder / "run.csv")
+
+
+def of_loop(function: str, name: str) -> Any:
+    """A result of a loop."""
+    return OF_LOOPS[function](*loop_of(name))
+
+
+def compared(name: str, keep: bool, runs: bool) -> Any:
+    """A comparison on a loop, or its runs."""
+    given: dict[str, Any] = {"seconds": 3.0, "pushes": [2.0] * keep, "keep_runs": keep}
+    found = furuta.compare(loop_of(name)[0], ["none", "lugre"], 2, **given)
+    return found.runs if runs else found
+
+
+def of_axis(path: str, law: str, **changes: Any) -> Any:
+    """What a recording tells that is changed."""
+    return furuta.identify_axis(recorded(path, law)._replace(**changes))
+
+
+def of_axes(*paths: str) -> Any:
+    """What recordings of several joints tell."""
+    return furuta.identify_axes({path: recorded(path, "coulomb") for path in paths})
+
+
+def studied(units: tuple[str, str]) -> Any:
+    """The study of an identified axis."""
+    return furuta.study_axis(fit("both ways", "coulomb", units), furuta.Pid(2.0, 6.0, 0.12))
+
+
+def pendulums() -> Iterator[tuple[str, bool, Callable[[], Any]]]:
+    """Function and situation, whether it is quick, and what makes the result."""
+    for name, function in product(LOOPS, OF_LOOPS):
+        yield f"{function}: {name}", name in QUICK_LOOPS, partial(of_loop, function, name)
+    for name in ("paper", "fell", "compensated", "unbounded", "no sensors"):
+        yield f"tune: {name}", False, lambda n=name: furuta.tune(loop_of(n)[0], 60.0)
+        for keep, runs in product((True, False), repeat=2):
+            quick = keep and name in QUICK_LOOPS
+            yield f"compare: {name}, {keep}, {runs}", quick, partial(compared, name, keep, runs)
+    sweep, branch = furuta.sweep, partial(furuta.cycle_branch, None)
+    words, swings = {"compensation": ["none", "lugre"]}, {"voltage_limit": 0.1}
+    yield "sweep: of a word", True, partial(sweep, words, None, 3.0)
+    yield "sweep: impossible", True, partial(sweep, {"plant.model.gamma": [1.0, 2.0]})
+    yield "sweep: not kept", True, partial(sweep, {"seed": [1]}, None, 1.0, keep_runs=False)
+    yield "random_rigs: two", True, partial(furuta.random_rigs, 2)
+    yield "random_rigs: waves", True, partial(furuta.random_rigs, 2, disturbances=["cogging"])
+    yield "swing_up: one", True, partial(furuta.swing_up, 1)
+    yield "swing_up: never", False, partial(furuta.swing_up, 1, swings, knocks=True)
+    yield "cycle_branch: viscous", False, partial(branch, "viscous", 0.0, 0.02)
+    yield "cycle_branch: one value", True, partial(branch, "viscous", 0.0, 0.0)
+    of_joint = partial(furuta.cycle_branch, joint_of, "level", 0.9, 1.1, value=1.0)
+    yield "cycle_branch: joint", True, of_joint
+    yield "limit_cycle: joint", True, lambda: furuta.limit_cycle(joint_of())
+    yield "predict_cycles: joint", True, lambda: furuta.predict_cycles(joint_of())
+    for omega1 in ([7], [6, 7]):
+        values = {"omega1": omega1, "omega2": [5]}
+        yield f"cycle_map: {omega1}", len(omega1) == 1, partial(furuta.cycle_map, None, values)
+    smooth = {"alpha0": [0.0, 0.1], "alpha1": [0.0]}
+    yield "cycle_map: none", False, partial(furuta.cycle_map, None, smooth, law="coulomb")
+    yield "identify: excited", False, lambda: furuta.identify(excited(), laws=True)
+    yield "identify: free", False, lambda: furuta.identify(free())
+    measured = FrictionLevels(0.2, 0.21, 0.3, 0.3, 0.01)
+    yield "MeasuredFriction: levels", True, partial(results.MeasuredFriction, measured)
+
+
+def axes() -> Iterator[tuple[str, bool, Callable[[], Any]]]:
+    """The same of axes."""
+    for name, (axis, gains, speed) in AXES.items():
+        quick, run = name in ("hunts", "unbounded"), partial(furuta.simulate_axis, axis, gains)
+        study = partial(furuta.study_axis, axis, gains, speed=speed)
+        yield f"servo_cycle: {name}", True, partial(furuta.servo_cycle, axis, gains, speed)
+        yield f"simulate_axis: {name}", True, partial(run, reference=speed, seconds=2.0)
+        yield f"simulate_axis: {name}, one sample", quick, partial(run, seconds=1e-3)
+        yield f"study_axis: {name}", quick, study
+        yield f"study_axis: {name}, cycle", quick, lambda s=study: s().cycle
+    for path, law in product(PATHS, ("coulomb", "stiction", "stribeck")):
+        quick = (path, law) in (("steps", "stiction"), ("one way", "coulomb"))
+        yield f"identify_axis: {path}, {law}", quick, partial(of_axis, path, law)
+    both, metres = ("both ways", "coulomb"), ("m", "N")
+    none, goal = np.empty(0), {"command_time": TIME, "command": MOVES}
+    empty = {"time": none, "measured": np.empty((0, 4)), "command_time": none, "command": none}
+    yield "identify_axis: in m", True, partial(of_axis, *both, units=metres)
+    yield "identify_axis: no row", True, partial(of_axis, *both, **empty)
+    for units in (metres, ("rad", "N m")):
+        yield f"study_axis: identified in {units[0]}", False, partial(studied, units)
+    for paths in ((), ("rests",), ("both ways", "rests")):
+        yield f"identify_axes: {paths}", True, partial(of_axes, *paths)
+    yield "identify_arm_joint: alone", True, lambda: furuta.identify_arm_joint(recorded(*both))
+    servo = lambda: furuta.identify_servo(recorded(*both)._replace(**goal))  # noqa: E731
+    yield "identify_servo: both ways", False, servo
+
+
+CASES = {name: make for name, _, make in (*pendulums(), *axes())}
+QUICK = {name for name, quick, _ in (*pendulums(), *axes()) if quick}
+WITH_FILES = {"export_c": exported, "load_series": read_back}
+# What is no result: a rig, text; and what needs the graph.
+OTHERS = {"identified_rig", "export_joint", "Rig", "Demo"}
+
+
+def test_every_function_of_the_documentation_is_here() -> None:
+    text = (
+        LIBRARY.read_text(encoding="utf-8").partition("## What there is")[2].partition("These ")[0]
+    )
+    rows = re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| ([^|]*) \|", text, re.MULTILINE)
+    named = {name for row, _ in rows for name in re.findall(r"\w+", row)}
+    here = {case.partition(":")[0] for case in CASES} | WITH_FILES.keys()
+    assert len(named) > 20 and named - OTHERS <= here
+
+
+@cache
+def result_of(case: str) -> Any:
+    """The result, or what was refused."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            return CASES[case]()
+        except furuta.ParameterError as error:
+            return error
+
+
+def check(result: Any) -> None:
+    """Raise if a result breaks a promise that every result keeps."""
+    faults = []
+    for kept in (is_text, is_json, can_be_copied, has_members, is_drawn):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                kept(result)
+            except Exception as error:
+                faults.append(f"{kept.__name__}: {type(error).__name__}: {error}"[:400])
+    assert not faults, "\n".join(faults)
+
+
+def is_refusal(error: BaseException) -> None:
+    """One line, without traces of Python."""
+    text = str(error)
+    assert text and "\n" not in text
+    assert not re.search(r"Singular|Traceback|\bnan\b|\binf\b|array\(|np\.|None", text, re.I), text
+
+
+def is_text(result: Any) -> None:
+    """Lines within the width, without traces of Python."""
+    report = result.report()
+    assert str(result) == repr(result) == report and report.strip()
+    assert max(map(len, report.splitlines())) <= WIDTH, max(report.splitlines(), key=len)
+    shown = report.replace("None is best", "")
+    odd = re.search(r"\b(nan|inf|None|True|False|np\.\w+|array|dtype)\b|[{}]", shown)
+    assert odd is None, shown[max(0, odd.start() - 60) : odd.end() + 20]
+
+
+def is_json(result: Any) -> None:
+    """JSON without numpy, NaN and infinity; values of a fit are numbers of Python."""
+    given = result.to_dict()
+    assert json.loads(json.dumps(given, allow_nan=False)) == given
+    for name in ("values", "standard_errors"):
+        found = getattr(result, name, None)
+        if isinstance(found, dict):
+            assert {type(each) for each in found.values()} <= {float}, found
+
+
+def can_be_copied(result: Any) -> None:
+    for same in (pickle.loads(pickle.dumps(result)), copy.copy(result), copy.deepcopy(result)):
+        assert same.report() == result.report() and type(same) is type(result)
+
+
+def has_members(result: Any) -> None:
+    """Every public name is there; what needs no argument works or is refused."""
+    for name in dir(result):
+        if name.startswith("_") or name == "plot" or hasattr(dict, name):
+            continue
+        try:
+            value = getattr(result, name)
+            if callable(value) and not inspect.isclass(value):
+                inspect.signature(value).bind()
+                value()
+        except furuta.ParameterError as error:
+            is_refusal(error)
+        except (TypeError, ValueError) as error:
+            assert "missing a required" in str(error), f"{name}: {error}"
+
+
+def is_drawn(result: Any) -> None:
+    """It is drawn, on new axes and on given ones, or refused."""
+    try:
+        axes = np.ravel(result.plot())
+        axes[0].figure.canvas.draw()
+        assert any(each.has_data() for each in axes)
+        own = plt.subplots(len(axes), squeeze=False)[1]
+        assert {each.figure for each in np.ravel(result.plot(own))} == {own[0, 0].figure}
+        with pytest.raises(furuta.ParameterError, match=rf"has {len(axes)} axes, given"):
+            result.plot(plt.subplots(len(axes) + 1)[1])
+    except furuta.ParameterError as error:
+        is_refusal(error)
+    finally:
+        plt.close("all")
+
+
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=() if case in QUICK else pytest.mark.long) for case in CASES]
+)
+def test_a_result_keeps_its_promises(case: str) -> None:
+    result = result_of(case)
+    if isinstance(result, Exception):
+        is_refusal(result)
+    else:
+        check(result)
+
+
+@pytest.mark.parametrize("function", WITH_FILES)
+def test_a_result_of_files_keeps_its_promises(function: str, tmp_path: Path) -> None:
+    check(WITH_FILES[function](tmp_path))
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=() if n in QUICK_LOOPS else pytest.mark.long) for n in LOOPS]
+)
+def test_a_quantity_is_the_same_in_every_result(name: str) -> None:
+    """Of a run, its measurement, a sweep and a comparison; or none has a value."""
+    loop, seconds = loop_of(name)
+    seed = {"plant.seed": [loop.plant.seed]}
+    run, outcome = furuta.simulate(loop, seconds), furuta.measure(loop, seconds)
+    assert (run.time[np.abs(run.state[:, 2]) > 0.5 * np.pi].size > 0) == outcome.fell
+    swept = furuta.sweep(seed, loop, seconds)
+    compared = furuta.compare(loop, {"same": {}}, seed, seconds=seconds, keep_runs=True).runs
+    one, *others = (each.to_dict() for each in (run, outcome))
+    for other in (*others, *swept.dictionaries(), *compared.dictionaries()):
+        assert len(one.keys() & other.keys()) == len(one)
+        for key, value in one.items():
+            assert other[key] == pytest.approx(value, rel=1e-9, abs=1e-12), key
