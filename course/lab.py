@@ -127,7 +127,7 @@ def compared(given: Any, right: Any, names: Sequence[str] = ()) -> str:
     if not given.ndim:
         return f"it is {given:.4g}, but {right:.4g} is right"
     worst = np.unravel_index(int(np.argmax(np.abs(given - right))), given.shape)
-    name = names[worst[0]] if names else f"number {', '.join(str(k + 1) for k in worst)}"
+    name = names[int(worst[0])] if names else f"number {', '.join(str(k + 1) for k in worst)}"
     return f"{name} is {given[worst]:.4g}, but {right[worst]:.4g} is right"
 
 

@@ -367,12 +367,8 @@ def test_a_study_speaks_and_draws_what_it_found() -> None:
     assert text.startswith("The axis hunts by 0.144 rad (8.27°) every 4.43 s")
     assert f"The compensation {study.recommended} is best here" in " ".join(text.split())
     assert "[N m]" in text
-    assert max(map(len, text.splitlines())) <= 80
     assert values["units"] == {"position": "rad", "torque": "N m"}
     assert [row["compensation"] for row in values["compensations"]] == list(COMPENSATIONS)
-    figure, axes = plt.subplots(2, 2)
-    assert list(np.ravel(study.plot(axes))) == list(axes.ravel())
-    plt.close(figure)
     with pytest.raises(furuta.ParameterError, match="identified"):
         study.write("joint.yaml")
     with pytest.raises(furuta.ParameterError, match="belong to an identified axis"):
@@ -405,10 +401,6 @@ def test_several_axes_are_identified_each_on_its_own() -> None:
     assert "moves by 0" in found.refused["base"]
     assert found.to_dict()["joints"]["base"]["usable"] == "no"
     assert found.fits["elbow"].axis().inertia == pytest.approx(AXIS.inertia, rel=0.02)
-    assert len(found.fits["elbow"].draws(3)) == 3
-    figure, axis = plt.subplots()
-    assert np.ravel(found.plot(axis)).tolist() == [axis]
-    plt.close(figure)
     with pytest.raises(furuta.ParameterError, match="base"):
         found.require()
 

@@ -76,7 +76,8 @@ def _value(name: str, value: Any) -> str:
 
 
 def _complex(parts: Sequence[float | None]) -> str:
-    return NONE if None in parts else "{:.4g}{:+.4g}j".format(*parts)
+    real, imaginary = parts
+    return NONE if real is None or imaginary is None else f"{real:.4g}{imaginary:+.4g}j"
 
 
 def escaped(text: str) -> str:
@@ -103,12 +104,12 @@ def table_text(
     ``headings`` are the names that are shown, with their titles; by default all. Columns beyond the
     width of the text continue below, beside the first one. No value is cut.
     """
-    rows = plain(list(rows))
-    titles = headings or {name: heading(name) for row in rows for name in row}
+    shown: list[dict[str, Any]] = plain(list(rows))
+    titles = headings or {name: heading(name) for row in shown for name in row}
     if not titles:
         return ""
     height = max(len(_title_lines(title)) for title in titles.values())
-    columns = [_column(title, name, rows, height) for name, title in titles.items()]
+    columns = [_column(title, name, shown, height) for name, title in titles.items()]
     first, room = columns[0], WIDTH - len(indent) - len(columns[0][0]) - GAP
     blocks: list[list[Sequence[str]]] = [[]]
     used = 0
