@@ -93,6 +93,7 @@ def test_one_direction_does_not_tell_friction_from_offset() -> None:
     assert fit.values["inertia"] == pytest.approx(PLAIN.inertia, rel=0.05)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize(
     "count", [2.0 * np.pi / 2**23, *(pytest.param(n, marks=pytest.mark.long) for n in (6e-6, 1e-9))]
 )
@@ -101,6 +102,8 @@ def test_a_finer_encoder_tells_no_more_of_one_direction(count: float) -> None:
     time = np.arange(5000) / 500.0
     fit = identify_axis(recorded(PLAIN, 0.3 + multisine(time, 0.1), 0.002, count))
     assert fit.usable == "doubtful"
+    rounded = fit._replace(covariance=fit.covariance - 1e-7 * np.eye(len(fit.names)))
+    assert len(drawn_axes(rounded, 3)) == 3
     assert {"alpha0", "offset", "asymmetry"} <= set(fit.undetermined)
     assert fit.values["inertia"] == pytest.approx(PLAIN.inertia, rel=0.01)
 
