@@ -52,14 +52,10 @@ def test_recording_of_a_simulation_is_what_its_sensors_measured(tmp_path: Path) 
 
 def test_sweep_is_a_table_of_measurements() -> None:
     """The last parameter changes fastest; what is impossible has a reason."""
-    levels, seconds = np.array([0.1, -5.0]), 1.0
-    table = furuta.sweep({"plant.friction.alpha0": levels, "omega1": range(6, 8)}, seconds=seconds)
+    levels = np.array([0.1, -5.0])
+    table = furuta.sweep({"plant.friction.alpha0": levels, "omega1": range(6, 8)}, seconds=1.0)
     assert {values.shape for values in table.values()} == {(4,)}
     assert table["omega1"].tolist() == [6, 7, 6, 7]
-    for row in (0, 1):
-        loop = furuta.make_loop({name: table[name][row] for name in list(table)[:2]})
-        for name, value in furuta.measure(loop, seconds)._asdict().items():
-            assert table[name][row] == value or np.isnan([table[name][row], value]).all()
     assert table["error"][2] == "friction.alpha0 must be 0 to 100000 V, given -5"
     assert np.isnan(table["steps"][2:]).all()
 
