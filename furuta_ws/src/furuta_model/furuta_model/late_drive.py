@@ -9,15 +9,18 @@ Automatic Control 27, 1982).
 
 from dataclasses import dataclass
 from math import expm1
-from typing import Annotated, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
 from furuta_model.block import zeros
 from furuta_model.compiled import inlined
 from furuta_model.parameters import SELECTS, About
-from furuta_model.parts.plant_memory import DELAY_SLOTS, MAX_DELAY
 from furuta_model.state import RIGID_STATES
+
+# Largest delay of drive and sensors [samples].
+MAX_DELAY: Final = 100
+DELAY_SLOTS: Final = MAX_DELAY + 1
 
 
 class LateDrive(NamedTuple):
@@ -52,10 +55,13 @@ class SampledDrive(NamedTuple):
     mean_share: float
 
 
+AT_ONCE = SampledDrive(delayed=False, delay=0, end_share=1.0, mean_share=1.0)
+
+
 def design_drive(p: LateDrive, dt: float) -> SampledDrive:
     """The drive for a sample time [s]."""
     if p.lag == 0.0:
-        return SampledDrive(p.delay > 0, p.delay, 1.0, 1.0)
+        return AT_ONCE._replace(delayed=p.delay > 0, delay=p.delay)
     d = dt / p.lag
     end_share = -expm1(-d)
     return SampledDrive(p.delay > 0, p.delay, end_share, 1.0 - end_share / d)

@@ -12,6 +12,7 @@ from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, find_law, friction_force, friction_law
 from furuta_model.integration import advance, substeps_for
+from furuta_model.late_drive import AT_ONCE, acting_torque
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Actuator, Sensors, drive, measure
@@ -97,7 +98,7 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
     else:
         advance(memory.x, voltage, dt, substeps, model, law)
         # Parts that are switched on continue from here.
-        memory.voltages_from, memory.torque = memory.moved + 1, voltage
+        acting_torque(memory.drive, voltage, AT_ONCE)
         memory.heat = memory.level_change = 0.0
     if not plant.parts.coupling.on:
         motor, x = memory.motor, memory.x

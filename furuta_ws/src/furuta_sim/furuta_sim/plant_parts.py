@@ -11,13 +11,14 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, find_law
+from furuta_model.late_drive import SampledDrive, acting_torque
 from furuta_model.parts.coupling import (
     ElasticRig,
     advance_elastic,
     design_coupling,
 )
 from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves, push_at
-from furuta_model.parts.drive import Drive, mean_torque
+from furuta_model.parts.drive import without_dead_band
 from furuta_model.parts.motion import Body, Cogging, PendulumFriction, advance_with_parts
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.sensor_faults import (
@@ -44,7 +45,8 @@ class Parts(NamedTuple):
     is_active: bool
     springs: int
     variation: FrictionVariation
-    drive: Drive
+    dead_band: float
+    drive: SampledDrive
     cogging: Cogging
     pendulum_friction: PendulumFriction
     tilt: Tilt
@@ -69,7 +71,8 @@ def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
         is_active=elastic or changed or pushed or find_law(p.friction.law).springs,
         springs=p.friction.springs,
         variation=variation,
-        drive=p.drive,
+        dead_band=p.drive.dead_band,
+        drive=p.drive.sampled(p.sample_time),
         cogging=p.cogging,
         pendulum_friction=p.pendulum_friction,
         tilt=p.tilt,
@@ -116,7 +119,8 @@ def move_with_parts(
 ) -> None:
     """Move the rig over ``dt`` [s] at constant ``voltage`` [V] of the drive."""
     friction = friction_with_parts(memory, law, parts)
-    torque = mean_torque(memory, voltage, dt, parts.drive)
+    given = without_dead_band(voltage, parts.dead_band)
+    torque = acting_torque(memory.drive, given, parts.drive)
     vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
     sample = memory.moved - memory.pushed_from
     push = push_at(sample, parts.pushes, parts.push_count, parts.tilt)

@@ -1,17 +1,13 @@
 """What the plant remembers from sample to sample."""
 
 from dataclasses import dataclass, field
-from typing import Final
 
 import numpy as np
 
 from furuta_model.block import zeros
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
+from furuta_model.late_drive import DELAY_SLOTS, DriveMemory
 from furuta_model.state import PLANT_STATES, RIGID_STATES
-
-# Largest delay of drive and sensors [samples].
-MAX_DELAY: Final = 100
-DELAY_SLOTS: Final = MAX_DELAY + 1
 
 
 @dataclass
@@ -38,14 +34,12 @@ class PlantMemory:
         next_springs: The same at the end of the substep.
         moved: Samples that the plant has moved.
         pushed_from: The sample from which the time of the pushes counts.
-        voltages_from: The first sample of ``voltages``, the next one without parts.
         readings: Readings taken.
         states_from: The first reading of ``states``, the next one without faults.
         level_change: Relative change of the friction level by time, heat and load.
         heat: Heat of the friction, less what has been cooled [V rad].
-        torque: Torque at the end of the last sample, behind the lag [V].
+        drive: What the drive has been given, and the torque behind its lag [V].
         last_reading: Last reading of each signal, which a stuck sensor repeats.
-        voltages: The last voltages of the drive [V], for its delay.
         states: The last states, for the delay of the sensors.
         motor: The motor; it follows the arm unless its coupling is elastic.
     """
@@ -55,13 +49,11 @@ class PlantMemory:
     next_springs: np.ndarray = zeros(MAX_SPRINGS)
     moved: int = 0
     pushed_from: int = 0
-    voltages_from: int = 0
     readings: int = 0
     states_from: int = 0
     level_change: float = 0.0
     heat: float = 0.0
-    torque: float = 0.0
+    drive: DriveMemory = field(default_factory=DriveMemory)
     last_reading: np.ndarray = zeros(RIGID_STATES)
-    voltages: np.ndarray = zeros(DELAY_SLOTS)
     states: np.ndarray = zeros(DELAY_SLOTS, RIGID_STATES)
     motor: MotorMemory = field(default_factory=MotorMemory)

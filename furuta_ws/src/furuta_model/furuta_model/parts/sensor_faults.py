@@ -10,8 +10,9 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from furuta_model.compiled import compiled, inlined
+from furuta_model.late_drive import DELAY_SLOTS, MAX_DELAY
 from furuta_model.parameters import About
-from furuta_model.parts.plant_memory import DELAY_SLOTS, MAX_DELAY, PlantMemory
+from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.state import PHI, PHI_DOT, RIGID_STATES, THETA
 
 SENSORS = ("none", "encoder", "tachometer", "potentiometer")

@@ -13,9 +13,9 @@ from furuta.outcomes import outcome, residual, sensors_alone
 from furuta.settings.settings import Settings, loop
 from furuta.studies.comparison.candidates import UNCOMPENSATED, Candidate
 from furuta.studies.comparison.rigs import RandomRigs, SimulatedRig
+from furuta_model.late_drive import MAX_DELAY
 from furuta_model.parameters import ParameterError, validated
 from furuta_model.parts.disturbances import Pushes
-from furuta_model.parts.plant_memory import MAX_DELAY
 from furuta_sim.parameters import PlantParameters
 from furuta_sim.simulation.closed_loop import Loop
 
