@@ -31,7 +31,7 @@ def observed(
     mean_share = 1.0 - share * true.lag / DT if true.lag else 1.0
     found = []
     for sample, force in enumerate(friction):
-        found.append(observe(memory, np.append(x, u), 0.0, p))
+        found.append(observe(memory, np.append(x, u), p))
         u = float(-FEEDBACK @ x) + (0.3 if sample // 150 % 2 else -0.3)
         on_its_way.append(u)
         step = on_its_way.pop(0) - torque
@@ -75,7 +75,8 @@ def test_what_is_modelled_is_not_observed() -> None:
     x, rest = np.zeros(4), 0.0
     for _ in range(2000):
         u = float(-FEEDBACK @ x) + 0.15 + rest
-        rest = observe(memory, np.append(x, u), 0.15, p)
+        memory["model"] = 0.15
+        rest = observe(memory, np.append(x, u), p)
         x = STEP[:4, :4] @ x + STEP[:4, 4] * (u - 0.2)
     assert rest == pytest.approx(0.05, abs=1e-3)
 
@@ -87,9 +88,9 @@ def test_it_begins_anew_where_the_model_does_not_hold(x: list[float]) -> None:
     """Far from upright, and where speed or torque are not known, nothing is observed."""
     p = design(Body(A, B, ON_TIME, DT), 50.0, 2.0, 0.2, acts=False)
     memory, upright = new_memory(ObservationMemory)[0], np.array([0.0, 0.1, 0.01, 0.0, 0.3])
-    first = [observe(memory, upright, 0.0, p) for _ in range(50)]
-    assert np.isnan(observe(memory, np.array(x), 0.0, p))
-    assert [observe(memory, upright, 0.0, p) for _ in range(50)] == first
+    first = [observe(memory, upright, p) for _ in range(50)]
+    assert np.isnan(observe(memory, np.array(x), p))
+    assert [observe(memory, upright, p) for _ in range(50)] == first
 
 
 def test_a_vibration_reduces_the_bandwidth() -> None:
@@ -102,7 +103,7 @@ def test_a_vibration_reduces_the_bandwidth() -> None:
         )
         for k in range(2000):
             v = amplitude * np.sin(2.0 * np.pi * 25.0 * DT * k)
-            observe(memory, np.array([0.0, v, 0.0, 0.0, 0.0]), 0.0, p)
+            observe(memory, np.array([0.0, v, 0.0, 0.0, 0.0]), p)
         parts.append(float(memory["vibration"]["part"]))
     assert parts[0] < 0.1
     assert parts[1] > 0.24

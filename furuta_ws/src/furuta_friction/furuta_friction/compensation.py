@@ -12,7 +12,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction import observation
+from furuta_friction import applied, observation
 from furuta_friction.compensator import Compensator, Joint
 from furuta_friction.compensators import (
     adaptive,
@@ -31,7 +31,14 @@ from furuta_friction.compensators.recommended import (
     RecommendedMemory,
     RecommendedParameters,
 )
-from furuta_friction.observation import Body, Observation, ObservationMemory, limited, observe
+from furuta_friction.observation import (
+    Body,
+    Observation,
+    ObservationMemory,
+    least_bandwidth,
+    limited,
+    observe,
+)
 from furuta_friction.observation import design as design_observation
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
@@ -41,7 +48,7 @@ from furuta_model.linear import linearize
 from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, designed_once
 from furuta_model.pendulum import FurutaPendulum
-from furuta_model.state import PHI, PHI_DOT
+from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
 
 ALL = (
     Compensator("none", "None", "0 V"),
@@ -52,20 +59,18 @@ ALL = (
         "Coulomb level while sliding, observed friction at rest",
         needs_observed_friction=True,
     ),
-    Compensator("lugre", "LuGre observer", "LuGre observer, eq. (9)", moves_bristle=True),
+    Compensator("lugre", "LuGre observer", "LuGre observer, eq. (9)"),
     Compensator(
         "adaptive",
         "Adaptive LuGre observer",
         "LuGre observer with levels that follow the observed friction",
         needs_observed_friction=True,
-        moves_bristle=True,
     ),
     Compensator(
         "recommended",
         "Recommended",
         "LuGre friction of a learned level when the command acts, plus the observed rest",
         needs_observed_friction=True,
-        moves_bristle=True,
     ),
 )
 TITLES = {compensator.name: compensator.title for compensator in ALL}
@@ -78,6 +83,8 @@ LUGRE = COMPENSATIONS.index("lugre")
 ADAPTIVE = COMPENSATIONS.index("adaptive")
 RECOMMENDED = COMPENSATIONS.index("recommended")
 OWN = len(ALL)
+# Value of ``running`` in the memory that is no kind plus 1.
+NOT_RUNNING = 0
 _MEANINGS = "; ".join(f"{compensator.name}: {compensator.meaning}" for compensator in ALL)
 
 
@@ -124,14 +131,11 @@ class ObserverParameters(NamedTuple):
 class CompensationDesign(NamedTuple):
     """The compensation as :func:`estimate_friction` uses it; ``kind`` is an index of ALL or OWN.
 
-    ``function`` is the address of an own compensator. With ``idle_observer`` the observer (9) moves
-    beside the chosen compensator, so it has converged when the user switches to it. Not every one
-    ``observes`` the friction.
+    ``function`` is the address of an own compensator. Not every one ``observes`` the friction.
     """
 
     kind: Annotated[int, SELECTS]
     function: int
-    idle_observer: Annotated[bool, SELECTS]
     observes: Annotated[bool, SELECTS]
     joint: Joint
     observation: Observation
@@ -141,8 +145,12 @@ class CompensationDesign(NamedTuple):
 
 @dataclass
 class CompensationMemory:
-    """What the compensators remember."""
+    """What the compensators remember.
 
+    ``running`` is the kind plus 1 of the one that runs, :data:`NOT_RUNNING` before it begins.
+    """
+
+    running: int = NOT_RUNNING
     bristle: BristleMemory = field(default_factory=BristleMemory)
     observation: ObservationMemory = field(default_factory=ObservationMemory)
     adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
@@ -162,16 +170,15 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
     kind, function = kind_and_address(p.compensation, COMPENSATIONS, OwnCompensation)
     joint = Joint(p.friction, p.observer_gain, p.sample_time)
     level = float(highest_level(p.friction))
-    bandwidth = limited(p.bandwidth, p.sample_time)
+    acts = kind == RECOMMENDED
+    least = least_bandwidth(body) if acts else 0.0
+    bandwidth = limited(max(p.bandwidth, least), body.dt)
     late_body = recommended.assumed(body, bandwidth)
-    observed_body = late_body if kind == RECOMMENDED else body
-    observed = design_observation(
-        observed_body, bandwidth, LARGEST_LEVEL * level, level, acts=kind == RECOMMENDED
-    )
+    observed_body = late_body if acts else body
+    observed = design_observation(observed_body, bandwidth, LARGEST_LEVEL * level, level, acts)
     return CompensationDesign(
         kind=kind,
         function=function,
-        idle_observer=not p.chosen.moves_bristle,
         observes=p.chosen.needs_observed_friction or kind == OWN,
         joint=joint,
         observation=observed,
@@ -180,17 +187,19 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
     )
 
 
-def that_stays(p: CompensationDesign) -> CompensationDesign:
-    """The same for a compensation that nobody changes: the observer need not move beside it."""
-    return p._replace(idle_observer=False)
+@inlined
+def reset(memory: CompensationMemory) -> None:
+    """Begin anew with the next state, as the rig has been put back."""
+    memory.running = NOT_RUNNING
 
 
 @inlined
-def reset(memory: CompensationMemory) -> None:
-    """Relax the bristle, as the rig has been put back. Levels that have adapted are kept."""
+def begin(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> None:
+    """Begin in state ``x`` (5,): at first, after a switch or a gap. Learned levels are kept."""
+    memory.running = p.kind + 1
     memory.bristle.z = 0.0
-    observation.restart(memory.observation)
-    recommended.forget(memory.recommended)
+    observation.begin(memory.observation, x)
+    recommended.begin(memory.recommended, x)
     forget_own(memory.own)
 
 
@@ -203,10 +212,25 @@ def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
 def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
     """F̂ [V] for the state estimate ``x`` (5,) with the applied torque; ``memory`` is updated.
 
-    While the arm's state is unknown (NaN), F̂ is 0 V and the memory is kept.
+    While the arm's state is unknown (NaN), F̂ is 0 V; then the compensator begins anew.
     """
-    if isnan(x[PHI_DOT] + x[PHI]):
-        return 0.0
+    if not continues(memory, x, p):
+        if isnan(x[PHI_DOT] + x[PHI]):
+            reset(memory)
+            return 0.0
+        begin(memory, x, p)
+    return continued_estimate(memory, x, p)
+
+
+@inlined
+def continues(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> bool:
+    """Whether the chosen compensator has run in the sample before, and the state is known."""
+    return (memory.running == p.kind + 1) & (not isnan(x[PHI_DOT] + x[PHI]))
+
+
+@inlined
+def continued_estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
+    """F̂ [V] of a compensator that continues."""
     return compensate(memory, x, observe_friction(memory, x, p), p)
 
 
@@ -218,8 +242,9 @@ def observe_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationD
     """
     if not p.observes:
         return nan
-    model = memory.recommended.model if p.kind == RECOMMENDED else 0.0
-    return observe(memory.observation, x, model, p.observation)
+    if p.observation.acts:
+        applied.learn(memory.observation.applied, x[APPLIED_TORQUE])
+    return observe(memory.observation, x, p.observation)
 
 
 @inlined
@@ -227,8 +252,6 @@ def compensate(  # noqa: PLR0911 (one for each compensator)
     memory: CompensationMemory, x: np.ndarray, observed: float, p: CompensationDesign
 ) -> float:
     """F̂ [V] of the chosen compensator, with what has been ``observed`` [V]."""
-    if p.idle_observer:
-        bristle_observer.estimate(memory.bristle, x, p.joint)
     if p.kind == NONE:
         return 0.0
     if p.kind == COULOMB:
@@ -240,7 +263,9 @@ def compensate(  # noqa: PLR0911 (one for each compensator)
     if p.kind == ADAPTIVE:
         return adaptive.estimate(memory.bristle, memory.adaptive, x, observed, p.adaptive)
     if p.kind == RECOMMENDED:
-        return recommended.estimate(memory.bristle, memory.recommended, x, observed, p.recommended)
+        return recommended.estimate(
+            memory.bristle, memory.recommended, memory.observation, x, observed, p.recommended
+        )
     if p.kind == OWN:
         return own.estimate(memory.own, x, observed, p.function, p.adaptive)
     return nan

@@ -14,10 +14,9 @@ class Joint(NamedTuple):
 
 
 class Compensator(NamedTuple):
-    """A compensator: its title, and whether it needs the observed friction or moves the bristle."""
+    """A compensator: its title, and whether it needs the observed friction."""
 
     name: str
     title: str
     meaning: str
     needs_observed_friction: bool = False
-    moves_bristle: bool = False

@@ -16,16 +16,17 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from furuta_friction.compensation import (
-    RECOMMENDED,
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
+    begin,
     compensate,
+    continues,
     design_for_body,
     observe_friction,
 )
 from furuta_friction.compensation import reset as reset_compensation
-from furuta_friction.observation import Body
+from furuta_friction.observation import Body, observe
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
@@ -54,11 +55,6 @@ ARM: Final = "arm"
 LOAD: Final = THETA
 # Largest level [V] and viscous friction [V s/rad] of it.
 LARGEST_OF_ARM: Final = 100.0
-
-# Estimates that are remembered: an effort can contain any but the last of them.
-SENT: Final = 5
-# Part of what is known of their lateness that is forgotten in a sample.
-FORGOTTEN: Final = 0.02
 
 # Position, speed, effort, and speed of the reference.
 JointSample = tuple[float, float, float, float]
@@ -143,9 +139,6 @@ class JointMemory:
     load: float = 0.0
     torque: float = 0.0
     friction: float = 0.0
-    given: float = 0.0
-    sent: np.ndarray = zeros(SENT)
-    changes: np.ndarray = zeros(SENT - 1)
     drive: DriveMemory = field(default_factory=DriveMemory)
     compensation: CompensationMemory = field(default_factory=CompensationMemory)
 
@@ -207,11 +200,6 @@ def reset(memory: JointMemory) -> None:
     """Begin anew with the next sample; levels that have adapted are kept."""
     memory.started = False
     memory.friction = 0.0
-    memory.given = 0.0
-    for i in range(SENT):
-        memory.sent[i] = 0.0
-    for i in range(SENT - 1):
-        memory.changes[i] = 0.0
     forget_voltages(memory.drive)
     reset_compensation(memory.compensation)
 
@@ -252,10 +240,12 @@ def joint_friction(
         if not isnan(torque):
             memory.torque = acting_torque(memory.drive, torque, p.drive)
         x[APPLIED_TORQUE] = torque
-        if p.compensation.kind == RECOMMENDED:
-            x[APPLIED_TORQUE] = _as_if_at_once(memory, torque)
         _observe(memory, position, p)
         x[LOAD], x[PHI_DOT] = memory.load, memory.estimate[1]
+    else:
+        memory.started = False
+    if not continues(memory.compensation, x, p.compensation):
+        begin(memory.compensation, x, p.compensation)
     observed, own = observe_friction(memory.compensation, x, p.compensation), x[PHI_DOT]
     if not isnan(reference_speed) and reference_speed != 0.0:
         square, half = reference_speed * reference_speed, p.model.reference_speed
@@ -263,10 +253,6 @@ def joint_friction(
     memory.friction = 0.0
     if not isnan(x[PHI_DOT]):
         memory.friction = compensate(memory.compensation, x, observed, p.compensation)
-    if p.compensation.kind == RECOMMENDED:
-        for i in range(SENT - 1):
-            memory.sent[SENT - 1 - i] = memory.sent[SENT - 2 - i]
-        memory.sent[0] = memory.friction
     return memory.friction
 
 
@@ -277,7 +263,8 @@ def pass_missing(memory: JointMemory, p: JointDesign) -> None:
         predict(memory, p)
         x = memory.state
         x[PHI_DOT] = memory.estimate[1]
-        observe_friction(memory.compensation, x, p.compensation)
+        if p.compensation.observes:
+            observe(memory.compensation.observation, x, p.compensation.observation)
 
 
 @compiled
@@ -294,25 +281,6 @@ def joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: 
         pass_missing(memory[0], design[0])
     position, speed, effort, reference_speed = x
     return joint_friction(memory[0], position, speed, effort, reference_speed, design[0])
-
-
-@inlined
-def _as_if_at_once(memory: JointMemory, torque: float) -> float:
-    """The torque [N m] if it contained the newest estimate of friction, not a late one.
-
-    A controller changes its feedback less from sample to sample than friction changes with its
-    sign. So the torque contains that estimate without which it has changed least.
-    """
-    if isnan(torque):
-        return torque
-    late = 0
-    for i in range(SENT - 1):
-        change = torque - memory.given - (memory.sent[i] - memory.sent[i + 1])
-        memory.changes[i] += FORGOTTEN * (change * change - memory.changes[i])
-        if memory.changes[i] < memory.changes[late]:
-            late = i
-    memory.given = torque
-    return torque - memory.sent[late] + memory.sent[0]
 
 
 @inlined
@@ -336,5 +304,3 @@ def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
         # The drive has held the joint, so a torque that is late does not seem to be missing.
         memory.torque = memory.load
         assume_held(memory.drive, memory.load)
-        assume_held(memory.compensation.observation.drive, memory.load)
-        assume_held(memory.compensation.recommended.feedback, memory.load)

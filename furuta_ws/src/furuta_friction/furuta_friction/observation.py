@@ -14,11 +14,12 @@ compensation would drive its vibration. A vibration that is sustained neverthele
 
 from dataclasses import dataclass, field
 from math import expm1, inf, isnan
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction import vibration
+from furuta_friction import applied, vibration
+from furuta_friction.applied import AppliedMemory, contained, too_late
 from furuta_friction.vibration import Vibration, VibrationMemory, part_without_vibration
 from furuta_model.compiled import inlined
 from furuta_model.late_drive import (
@@ -26,14 +27,17 @@ from furuta_model.late_drive import (
     LateDrive,
     SampledDrive,
     acting_torque,
+    assume_held,
     design_drive,
-    forget_voltages,
 )
+from furuta_model.parameters import SELECTS
 from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Gain of the integral relative to the square of the bandwidth; rate of the low-pass filter relative
 # to the bandwidth; most of the bandwidth in a sample.
 INTEGRAL, ROLL_OFF, LARGEST_STEP = 0.7, 3.0, 0.1
+# Least bandwidth relative to the rate at which the body falls.
+FASTER_THAN_FALL = 4.0
 # Part of the bandwidth at the start of a compensation, so that it does not excite a vibration.
 FIRST_PART = 0.25
 # Vibration that is accepted, relative to the highest level of the friction model.
@@ -71,6 +75,7 @@ class Observation(NamedTuple):
     limit: float
     range: float
     first_part: float
+    acts: Annotated[bool, SELECTS]
     drive: SampledDrive
     vibration: Vibration
 
@@ -86,7 +91,11 @@ class ObservationMemory:
         sliding: s [V s].
         integral: w [V].
         rest: r [V].
+        model: Part of the friction that is modelled, as sent [V]; 0 unless :func:`remember` is
+            told one.
+        fed_back: The applied torque without F̂, if that acts [V].
         drive: What the drive has been given, without the modelled part of the friction.
+        applied: Memory of what F̂ does in the torque.
         vibration: Memory of the detector.
     """
 
@@ -96,13 +105,23 @@ class ObservationMemory:
     sliding: float = 0.0
     integral: float = 0.0
     rest: float = 0.0
+    model: float = 0.0
+    fed_back: float = 0.0
     drive: DriveMemory = field(default_factory=DriveMemory)
+    applied: AppliedMemory = field(default_factory=AppliedMemory)
     vibration: VibrationMemory = field(default_factory=VibrationMemory)
 
 
 def limited(bandwidth: float, dt: float) -> float:
     """The bandwidth [1/s] that samples of ``dt`` [s] allow."""
     return min(bandwidth, LARGEST_STEP / dt)
+
+
+def least_bandwidth(body: Body) -> float:
+    """The bandwidth [1/s] below which the body falls within the times that are predicted."""
+    if body.range == inf:
+        return 0.0
+    return FASTER_THAN_FALL * float(np.max(np.linalg.eigvals(body.a).real))
 
 
 def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool) -> Observation:
@@ -126,19 +145,22 @@ def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool)
         limit=limit,
         range=body.range,
         first_part=FIRST_PART if acts else 1.0,
+        acts=acts,
         drive=design_drive(body.drive, body.dt),
         vibration=vibration.design(accepted, body.dt),
     )
 
 
 @inlined
-def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observation) -> float:
+def observe(memory: ObservationMemory, x: np.ndarray, p: Observation) -> float:
     """The rest r [V] of the friction in state ``x`` (5,), where the torque is that applied.
 
-    ``model`` [V] is the modelled friction in that torque. Far from upright, or if a number is
-    unknown, the rest is NaN and the observer starts anew.
+    Far from upright, or if a number is unknown, the rest is NaN and the observer starts anew.
     """
-    v, voltage = x[PHI_DOT], x[APPLIED_TORQUE] - model
+    v, voltage = x[PHI_DOT], x[APPLIED_TORQUE]
+    if p.acts:
+        memory.fed_back = voltage - contained(memory.applied)
+        voltage += too_late(memory.applied) - memory.model
     known = abs(x[THETA]) <= p.range and not isnan(voltage + x[THETA_DOT])
     torque = acting_torque(memory.drive, voltage if known else 0.0, p.drive)
     if not known:
@@ -162,7 +184,16 @@ def observe(memory: ObservationMemory, x: np.ndarray, model: float, p: Observati
 
 
 @inlined
-def restart(memory: ObservationMemory) -> None:
-    """Begin anew with the next sample; what the drive has been given is forgotten."""
-    memory.started = False
-    forget_voltages(memory.drive)
+def remember(memory: ObservationMemory, model: float, estimate: float) -> None:
+    """Remember the modelled friction and all of F̂ [V] as sent."""
+    memory.model = model
+    applied.remember(memory.applied, estimate)
+
+
+@inlined
+def begin(memory: ObservationMemory, x: np.ndarray) -> None:
+    """Begin in state ``x``, as if the drive had been given its torque for long."""
+    memory.started, memory.model = False, 0.0
+    torque = x[APPLIED_TORQUE]
+    assume_held(memory.drive, 0.0 if isnan(torque) else torque)
+    applied.begin(memory.applied, torque)

@@ -14,7 +14,7 @@ import numpy as np
 
 from furuta.axis.axis import Axis, Cascade, Controller, poles
 from furuta.limit_cycles.joint import Units
-from furuta_friction.compensation import ObserverParameters, that_stays
+from furuta_friction.compensation import ObserverParameters
 from furuta_friction.joint_observer import (
     JointDesign,
     JointMemory,
@@ -132,10 +132,8 @@ def observer_parameters(
 
 
 def design_servo(controller: Controller, observer: ObserverNodeParameters) -> ServoDesign:
-    """The controller, with the observer of these parameters, whose compensation stays."""
-    joint = design_joint(observer)
-    joint = joint._replace(compensation=that_stays(joint.compensation))
-    return ServoDesign(_feedback(controller), joint, observer.observer.sample_time)
+    """The controller, with the observer of these parameters."""
+    return ServoDesign(_feedback(controller), design_joint(observer), observer.observer.sample_time)
 
 
 def _feedback(controller: Controller) -> Feedback:

@@ -32,7 +32,6 @@ from furuta_sim.simulation.control_system import (
     control_sample,
     design_control_system,
     reset,
-    that_stays,
 )
 
 PREFIX = "loop_"
@@ -118,7 +117,7 @@ def _check(loop: Loop) -> None:
 
 def _design(loop: Loop, precision: Precision) -> ControlSystem:
     """The control system, with limits of the readings that allow for the rounding of floats."""
-    system = that_stays(design_control_system(loop.estimator, loop.observer, loop.controller))
+    system = design_control_system(loop.estimator, loop.observer, loop.controller)
     if not precision.suffix:
         return system
     limits = system.estimator.readings

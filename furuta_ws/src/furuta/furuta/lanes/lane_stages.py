@@ -24,7 +24,13 @@ from furuta_control.estimation import (
     estimate_state,
 )
 from furuta_control.modes import balance
-from furuta_friction.compensation import CompensationDesign, CompensationMemory, estimate_friction
+from furuta_friction.compensation import (
+    CompensationDesign,
+    CompensationMemory,
+    continued_estimate,
+    continues,
+    estimate_friction,
+)
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
@@ -175,13 +181,29 @@ def estimate_lanes(lanes: Any, count: int) -> None:
         continue_estimate(lane.estimator, measurement, p, lane.estimate)
 
 
+@_in_each_lane
+@inlined
+def _observe_singly(lane: Any) -> None:
+    """Estimate the friction as a single run does."""
+    lane.friction_estimate = estimate_friction(lane.observer, lane.estimate, lane.compensation)
+
+
 @compiled
 def observe_lanes(lanes: Any, count: int) -> None:
     """Estimate the friction."""
     widest_vectors()
+    unusual = 0
     for i in range(count):
         lane = lanes[i]
-        lane.friction_estimate = estimate_friction(lane.observer, lane.estimate, lane.compensation)
+        usual = continues(lane.observer, lane.estimate, lane.compensation)
+        unusual += 0 if usual else 1
+    if unusual > 0:
+        _observe_singly(lanes, count)
+        return
+    for i in range(count):
+        lane = lanes[i]
+        p = lane.compensation
+        lane.friction_estimate = continued_estimate(lane.observer, lane.estimate, p)
 
 
 @_in_each_lane

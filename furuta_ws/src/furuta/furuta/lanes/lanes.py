@@ -41,10 +41,7 @@ from furuta_control.control import design_controller
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters, design_estimator
 from furuta_friction.compensation import (
     COMPENSATIONS,
-    CompensationDesign,
-    ObserverParameters,
     design_compensator,
-    that_stays,
 )
 from furuta_model.compiled import compiled, make_intrinsic
 from furuta_model.friction.laws import PAPER, FrictionLaw
@@ -130,7 +127,7 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
         ),
         _part(Sensors._make, loop.plant.sensors),
         _part(design_estimator, estimation),
-        _part(_design_compensator, loop.observer),
+        _part(design_compensator, loop.observer),
         _part(design_controller, control),
     )
     x = np.zeros(PLANT_STATES)
@@ -144,10 +141,6 @@ def prepare(loop: Loop, seconds: float) -> PreparedLoop | None:
         numbers=(*(numbers for _, numbers in parts), x),
         plant=loop.plant,
     )
-
-
-def _design_compensator(p: ObserverParameters) -> CompensationDesign:
-    return that_stays(design_compensator(p))
 
 
 def _width(sensors: Sensors, estimation: EstimatorParameters) -> int:

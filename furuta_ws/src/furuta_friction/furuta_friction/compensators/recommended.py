@@ -20,10 +20,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
+from furuta_friction.applied import is_applied
 from furuta_friction.compensator import Joint
 from furuta_friction.compensators import bristle_observer
 from furuta_friction.compensators.bristle_observer import BristleMemory
-from furuta_friction.observation import Body
+from furuta_friction.observation import Body, ObservationMemory, remember
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.late_drive import (
@@ -31,9 +32,9 @@ from furuta_model.late_drive import (
     Prediction,
     SampledDrive,
     acting_torque,
+    assume_held,
     design_drive,
     design_prediction,
-    forget_voltages,
     predicted,
 )
 from furuta_model.parameters import About
@@ -52,6 +53,8 @@ SLIDING = 0.8
 # slid in one direction, by which the speed is predicted at least, to which a longer lag of the
 # drive is reduced.
 ONE_WAY, HORIZON, SHORTEST_LAG = 4.0, 1.0, 0.25
+# Most by which the lag is divided: F̂ stays below twice that times its largest.
+LARGEST_INVERSION = 8.0
 # The same for the lag that is assumed at least: a drive of which less is known can be late too, and
 # the assumption costs next to nothing where it is not.
 ASSUMED_LAG = 0.4
@@ -65,8 +68,6 @@ class RecommendedMemory:
         level: Learned level, relative to that of the parameters.
         direction: Direction in which the arm slides, ±1; 0 before the first sample.
         one_way: Samples for which it has slid so.
-        model: Modelled friction as sent [V].
-        sent: F̂ as sent [V].
         model_lag: Modelled friction behind the lag of the drive [V], for its inversion.
         sent_lag: F̂ behind the lag of the drive [V].
         feedback: What the drive has been given by the feedback alone.
@@ -75,8 +76,6 @@ class RecommendedMemory:
     level: float = 1.0
     direction: float = 0.0
     one_way: int = 0
-    model: float = 0.0
-    sent: float = 0.0
     model_lag: float = 0.0
     sent_lag: float = 0.0
     feedback: DriveMemory = field(default_factory=DriveMemory)
@@ -116,7 +115,7 @@ def design(joint: Joint, body: Body, bandwidth: float, p: RecommendedParameters)
         one_way=ceil(ONE_WAY / bandwidth / dt),
         prediction=design_prediction(body.a, body.b, body.drive, dt, HORIZON / bandwidth),
         drive=design_drive(body.drive, dt),
-        inversion=max(body.drive.lag * bandwidth / SHORTEST_LAG, 1.0),
+        inversion=min(max(body.drive.lag * bandwidth / SHORTEST_LAG, 1.0), LARGEST_INVERSION),
     )
 
 
@@ -131,6 +130,7 @@ def assumed(body: Body, bandwidth: float) -> Body:
 def estimate(
     bristle: BristleMemory,
     memory: RecommendedMemory,
+    observation: ObservationMemory,
     x: np.ndarray,
     observed: float,
     p: Recommended,
@@ -140,24 +140,31 @@ def estimate(
     If that is NaN, the linear model does not hold, and F̂ is the modelled friction at the present
     speed.
     """
-    fed_back = x[APPLIED_TORQUE] - memory.sent
+    fed_back = observation.fed_back
     acting_torque(memory.feedback, fed_back if not isnan(fed_back) else 0.0, p.drive)
     v, rest = x[PHI_DOT], 0.0
+    friction = p.joint.friction
+    largest = LARGEST_ESTIMATE * p.level + friction.viscous * abs(v)
     if not isnan(observed):
         _learn(memory, v, observed, p)
-        v, rest = predicted(memory.feedback, x, PHI_DOT, p.prediction), observed
-    dry = bristle_observer.dry_friction(bristle, v, x[PHI], p.joint.friction, p.joint)
-    viscous = p.joint.friction.viscous * v
-    largest = LARGEST_ESTIMATE * p.level
-    model = memory.level * dry
-    due = min(max(model + rest, -largest), largest) + viscous
-    # Behind the lag, what is sent follows what is due with the lag divided by the inversion.
-    share = p.drive.end_share
-    memory.model = memory.model_lag + p.inversion * (model + viscous - memory.model_lag)
-    memory.model_lag += share * (memory.model - memory.model_lag)
-    memory.sent = memory.sent_lag + p.inversion * (due - memory.sent_lag)
-    memory.sent_lag += share * (memory.sent - memory.sent_lag)
-    return memory.sent
+        rest = observed
+        if is_applied(observation.applied):
+            v = predicted(memory.feedback, x, PHI_DOT, p.prediction)
+    dry = bristle_observer.dry_friction(bristle, v, x[PHI], friction, p.joint)
+    model = min(max(memory.level * dry + friction.viscous * v, -largest), largest)
+    due = min(max(model + rest, -largest), largest)
+    sent_model = _ahead_of_lag(memory.model_lag, model, p)
+    memory.model_lag += p.drive.end_share * (sent_model - memory.model_lag)
+    sent = _ahead_of_lag(memory.sent_lag, due, p)
+    memory.sent_lag += p.drive.end_share * (sent - memory.sent_lag)
+    remember(observation, sent_model, sent)
+    return sent
+
+
+@inlined
+def _ahead_of_lag(behind: float, due: float, p: Recommended) -> float:
+    """What is sent so that ``behind`` the lag it follows what is due with a shorter one [V]."""
+    return behind + p.inversion * (due - behind)
 
 
 @inlined
@@ -174,8 +181,9 @@ def _learn(memory: RecommendedMemory, v: float, rest: float, p: Recommended) -> 
 
 
 @inlined
-def forget(memory: RecommendedMemory) -> None:
-    """Forget what has been sent; the level is kept."""
-    memory.model = memory.sent = memory.model_lag = memory.sent_lag = 0.0
+def begin(memory: RecommendedMemory, x: np.ndarray) -> None:
+    """Begin in state ``x``, as if the drive had been given its torque for long."""
+    memory.model_lag = memory.sent_lag = 0.0
     memory.one_way = 0
-    forget_voltages(memory.feedback)
+    torque = x[APPLIED_TORQUE]
+    assume_held(memory.feedback, 0.0 if isnan(torque) else torque)

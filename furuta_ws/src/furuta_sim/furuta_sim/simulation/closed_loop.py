@@ -33,7 +33,6 @@ from furuta_sim.simulation.control_system import (
     ControlSystem,
     control_sample,
     design_control_system,
-    that_stays,
 )
 
 
@@ -172,9 +171,7 @@ class Simulation:
 
 def simulate(loop: Loop, seconds: float, progress: Progress = unseen) -> Record:
     """Run the loop for ``seconds`` from the plant's initial state and keep its series."""
-    simulation = Simulation(loop)
-    simulation.control_system = that_stays(simulation.control_system)
-    return simulation.run(seconds, progress)
+    return Simulation(loop).run(seconds, progress)
 
 
 def _empty_record(sample_time: float, samples: int) -> Record:

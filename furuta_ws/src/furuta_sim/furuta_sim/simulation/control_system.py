@@ -61,11 +61,6 @@ def design_control_system(
     )
 
 
-def that_stays(p: ControlSystem) -> ControlSystem:
-    """The same for parameters that nobody changes."""
-    return p._replace(observer=compensation.that_stays(p.observer))
-
-
 @inlined
 def reset(memory: ControlMemory) -> None:
     """Prepare for a measurement that does not continue the ones before, as the nodes do."""
