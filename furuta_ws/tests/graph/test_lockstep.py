@@ -32,9 +32,6 @@ RANDOM_LOOPS = 20 if os.environ.get("FURUTA_LANES") else 2
 # Every part of the plant that the control system does not know, at once.
 ALL_PARTS = [
     "plant.friction.variation.angle=0.2",
-    "plant.friction.variation.drift=0.1",
-    "plant.friction.variation.heat=0.05",
-    "plant.friction.variation.load=0.1",
     "plant.cogging.torque=0.02",
     "plant.pendulum_friction.damping=0.0005",
     "plant.pendulum_friction.coulomb=0.001",

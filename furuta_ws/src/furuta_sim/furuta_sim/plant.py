@@ -99,7 +99,6 @@ def move(memory: PlantMemory, command: float, plant: Plant) -> float:
         advance(memory.x, voltage, dt, substeps, model, law)
         # Parts that are switched on continue from here.
         acting_torque(memory.drive, voltage, AT_ONCE)
-        memory.heat = memory.level_change = 0.0
     if not plant.parts.coupling.on:
         motor, x = memory.motor, memory.x
         motor.angle, motor.speed, motor.bristle = x[PHI], x[PHI_DOT], x[BRISTLE]

@@ -11,14 +11,13 @@ import numpy as np
 
 from furuta_model.compiled import compiled, inlined
 from furuta_model.friction.laws import FrictionLaw, find_law
-from furuta_model.late_drive import SampledDrive, acting_torque
+from furuta_model.late_drive import SampledDrive, acting_torque, design_drive, without_dead_band
 from furuta_model.parts.coupling import (
     ElasticRig,
     advance_elastic,
     design_coupling,
 )
 from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves, push_at
-from furuta_model.parts.drive import without_dead_band
 from furuta_model.parts.motion import Body, Cogging, PendulumFriction, advance_with_parts
 from furuta_model.parts.plant_memory import PlantMemory
 from furuta_model.parts.sensor_faults import (
@@ -31,7 +30,6 @@ from furuta_model.parts.varied_friction import (
     FrictionVariation,
     joint_friction,
     varied,
-    vary_level,
 )
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors, measure
@@ -72,7 +70,7 @@ def design_parts(p: PlantParameters, law: FrictionLaw) -> Parts:
         springs=p.friction.springs,
         variation=variation,
         dead_band=p.drive.dead_band,
-        drive=p.drive.sampled(p.sample_time),
+        drive=design_drive(p.drive.late, p.sample_time),
         cogging=p.cogging,
         pendulum_friction=p.pendulum_friction,
         tilt=p.tilt,
@@ -118,10 +116,8 @@ def move_with_parts(
     parts: Parts,
 ) -> None:
     """Move the rig over ``dt`` [s] at constant ``voltage`` [V] of the drive."""
-    friction = friction_with_parts(memory, law, parts)
     given = without_dead_band(voltage, parts.dead_band)
     torque = acting_torque(memory.drive, given, parts.drive)
-    vary_level(memory, torque, friction, memory.x[PHI_DOT], dt, parts.variation)
     sample = memory.moved - memory.pushed_from
     push = push_at(sample, parts.pushes, parts.push_count, parts.tilt)
     body = Body(
@@ -146,7 +142,7 @@ def friction_with_parts(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> 
     motor, coupling = memory.motor, parts.coupling
     if not coupling.on:
         return _arm_friction(memory, law, parts)
-    law = varied(coupling.motor_friction, motor.angle, memory.level_change, parts.variation)
+    law = varied(coupling.motor_friction, motor.angle, parts.variation)
     of_motor = joint_friction(motor, motor.speed, motor.bristle, parts.springs, law)
     return _arm_friction(memory, coupling.arm_friction, parts) + of_motor
 
@@ -154,5 +150,5 @@ def friction_with_parts(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> 
 @inlined
 def _arm_friction(memory: PlantMemory, law: FrictionLaw, parts: Parts) -> float:
     x = memory.x
-    law = varied(law, x[PHI], memory.level_change, parts.variation)
+    law = varied(law, x[PHI], parts.variation)
     return joint_friction(memory, x[PHI_DOT], x[BRISTLE], parts.springs, law)

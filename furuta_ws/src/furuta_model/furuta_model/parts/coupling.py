@@ -228,7 +228,7 @@ def _motor_stage(
     motor: MotorMemory, angle: float, v: float, torque: float, h: float, body: Body, p: ElasticRig
 ) -> tuple[float, float]:
     """Acceleration [rad/s²] at speed v, and the law's memory after ``h`` [s]."""
-    law = varied(p.motor_friction, angle, body.memory.level_change, body.variation)
+    law = varied(p.motor_friction, angle, body.variation)
     torque -= law.parameters.viscous * v
     if law.bristle:
         friction, end = presliding_force(motor, v, motor.bristle, h, body.springs, law)

@@ -65,7 +65,7 @@ def arm_stage(
     """A stage of the integration (:func:`furuta_model.integration.integrator`)."""
     phi, v, sine, cosine, w = at
     model, joint_friction = body.model, body.pendulum_friction
-    law = varied(law, phi, body.memory.level_change, body.variation)
+    law = varied(law, phi, body.variation)
     arm, joint = push_torques(phi, sine, cosine, model.delta, body.push)
     torque = u - law.parameters.viscous * v + arm + cogging_torque(phi, body.cogging)
     torque += wave_torque(phi, body.waves)

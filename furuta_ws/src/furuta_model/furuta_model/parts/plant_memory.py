@@ -36,8 +36,6 @@ class PlantMemory:
         pushed_from: The sample from which the time of the pushes counts.
         readings: Readings taken.
         states_from: The first reading of ``states``, the next one without faults.
-        level_change: Relative change of the friction level by time, heat and load.
-        heat: Heat of the friction, less what has been cooled [V rad].
         drive: What the drive has been given, and the torque behind its lag [V].
         last_reading: Last reading of each signal, which a stuck sensor repeats.
         states: The last states, for the delay of the sensors.
@@ -51,8 +49,6 @@ class PlantMemory:
     pushed_from: int = 0
     readings: int = 0
     states_from: int = 0
-    level_change: float = 0.0
-    heat: float = 0.0
     drive: DriveMemory = field(default_factory=DriveMemory)
     last_reading: np.ndarray = zeros(RIGID_STATES)
     states: np.ndarray = zeros(DELAY_SLOTS, RIGID_STATES)

@@ -1,20 +1,13 @@
 r"""Friction with more memory or parameters: the level that varies, the springs of Maxwell-slip.
 
-The level changes with the arm's angle, time, heat and load: every level of the law is multiplied by
-
-.. math::
-    1 + a \sin(nφ + φ_0) + d\,(1 - e^{-t/T_d}) + h\,H + l\,|τ|, \qquad
-    \dot H = F \dot φ - H/T_h
-
-but never by less than zero. H [V rad] is the heat of the friction and τ [V] the mean torque of the
-drive over the sample. Time and heat are evaluated once a sample.
+The level changes with the arm's angle: every level of the law is multiplied by
+:math:`1 + a \sin(nφ + φ_0)`.
 """
 
 from math import pi, sin
 from typing import Annotated, NamedTuple
 
 from furuta_model.compiled import compiled, inlined
-from furuta_model.elementary import exp
 from furuta_model.friction.laws import (
     FrictionLaw,
     bristle_force,
@@ -31,7 +24,7 @@ SpringMemory = PlantMemory | MotorMemory
 
 
 class FrictionVariation(NamedTuple):
-    """How the friction level changes; relative to the level of the law."""
+    """How the friction level changes with the angle; relative to the level of the law."""
 
     angle: Annotated[float, About("amplitude of the change of the level over a turn", "", 0, 1)] = (
         0.0
@@ -42,51 +35,16 @@ class FrictionVariation(NamedTuple):
     angle_phase: Annotated[
         float, About("phase of this change at arm angle 0", "rad", -pi, pi, shape=True)
     ] = 0.0
-    drift: Annotated[float, About("final change of the level with time", "", -1, 10)] = 0.0
-    drift_time: Annotated[
-        float, About("time constant of the drift", "s", 1e-3, 1e6, shape=True)
-    ] = 60.0
-    heat: Annotated[float, About("change of the level per heat", "1/(V rad)", -100, 100)] = 0.0
-    cooling_time: Annotated[
-        float, About("time constant of cooling", "s", 1e-3, 1e6, shape=True)
-    ] = 60.0
-    load: Annotated[float, About("change of the level per torque of the drive", "1/V", 0, 10)] = 0.0
-
-
-@inlined
-def vary_level(
-    memory: PlantMemory,
-    torque: float,
-    friction: float,
-    speed: float,
-    dt: float,
-    p: FrictionVariation,
-) -> None:
-    """Move heat and level by a sample of ``dt`` [s].
-
-    ``friction`` [V] and ``speed`` [rad/s] are those at its beginning, ``torque`` [V] is the mean.
-    """
-    cooling = exp(-dt / p.cooling_time)
-    memory.heat = memory.heat * cooling + friction * speed * p.cooling_time * (1.0 - cooling)
-    drift = p.drift * (1.0 - exp(-memory.moved * dt / p.drift_time))
-    memory.level_change = drift + p.heat * memory.heat + p.load * abs(torque)
 
 
 @compiled
-def varied(law: FrictionLaw, phi: float, change: float, p: FrictionVariation) -> FrictionLaw:
-    """The law with the levels at arm angle ``phi`` [rad] and a relative ``change``."""
-    if p.angle != 0.0:
-        change += p.angle * sin(p.angle_periods * phi + p.angle_phase)
-    factor = max(1.0 + change, 0.0)
-    levels = law.parameters
-    return FrictionLaw(
-        law.kind,
-        with_levels(levels, levels.alpha0 * factor, levels.alpha1 * factor, levels.asymmetry),
-        law.level,
-        law.breakaway,
-        law.bristle,
-        law.springs,
-    )
+def varied(law: FrictionLaw, phi: float, change: FrictionVariation) -> FrictionLaw:
+    """The law with the levels at arm angle ``phi`` [rad]."""
+    factor, levels = 1.0, law.parameters
+    if change.angle != 0.0:
+        factor += change.angle * sin(change.angle_periods * phi + change.angle_phase)
+    p = with_levels(levels, levels.alpha0 * factor, levels.alpha1 * factor, levels.asymmetry)
+    return FrictionLaw(law.kind, p, law.level, law.breakaway, law.bristle, law.springs)
 
 
 @inlined
