@@ -25,6 +25,7 @@ from math import pi
 import numpy as np
 
 from furuta.describing_functions.bristle_cycle import STEPS, bristle_fundamental
+from furuta.describing_functions.levels import fundamental_level, mean_level
 from furuta.transfer import Transfer
 from furuta_model.friction.laws import FrictionLaw
 from furuta_model.parameters import ParameterError
@@ -61,7 +62,7 @@ def describing_function(amplitude: float, omega: float, law: FrictionLaw) -> com
 
 def static_describing_function(amplitude: float, law: FrictionLaw) -> float:
     """N(A) [V s/rad] of a law that depends on the present speed alone; A > 0 [rad/s]."""
-    level = law.law.fundamental_level(amplitude, law.parameters)
+    level = fundamental_level(amplitude, law.law, law.parameters)
     return 4.0 * level / (pi * amplitude) + law.parameters.viscous
 
 
@@ -72,7 +73,7 @@ def bias(amplitude: float, law: FrictionLaw) -> float:
     a constant arm offset of bias/l₁. For LuGre it is valid for a sliding arm; with motions smaller
     than the deflection of the bristle the bias is smaller.
     """
-    return law.parameters.asymmetry * law.law.mean_level(amplitude, law.parameters)
+    return law.parameters.asymmetry * mean_level(amplitude, law.law, law.parameters)
 
 
 def residual(amplitude: float, omega: float, g: Transfer, law: FrictionLaw) -> complex:

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.describing_functions.levels import level_slope
 from furuta.transfer import checked_feedback, transfer
 from furuta_model.friction.laws import FrictionLaw, sliding_level
 from furuta_model.pendulum import FurutaPendulum
@@ -101,4 +102,4 @@ def _friction_about(v: float, law: FrictionLaw) -> tuple[np.ndarray, np.ndarray]
 def _level_slope(v: float, law: FrictionLaw) -> float:
     """dF/dv [V s/rad] of the sliding arm without viscous part; at most 0."""
     p = law.parameters
-    return float(law.law.level_slope(abs(v), p) * (1.0 + np.sign(v) * p.asymmetry))
+    return float(level_slope(abs(v), law.law, p) * (1.0 + np.sign(v) * p.asymmetry))

@@ -55,8 +55,8 @@ def command(
     --pid 2 6 0.12
     """
     from furuta import Axis, Cascade, Pid, study_axis
+    from furuta.axis.friction_text import friction_from_text
     from furuta.results.identified import AxisFit
-    from furuta_model.friction.text import friction_from_text
 
     is_controlled = pid is not None or cascade is not None
     if not records and inertia is None:

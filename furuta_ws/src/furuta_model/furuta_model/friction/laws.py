@@ -34,9 +34,6 @@ from furuta_model.friction.levels import (
     direction_factor,
     static_level,
     stribeck_curve,
-    stribeck_fundamental,
-    stribeck_mean,
-    stribeck_slope,
 )
 from furuta_model.friction.lugre import force, stretched
 from furuta_model.friction.names import ANALYSED_LAWS, LAWS
@@ -44,13 +41,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_model.own_functions import address_of, call_own, own_function
 from furuta_model.parameters import SELECTS, ParameterError
 
-_STRIBECK = Law(
-    "stribeck",
-    stribeck_curve,
-    fundamental=stribeck_fundamental,
-    mean=stribeck_mean,
-    slope=stribeck_slope,
-)
+_STRIBECK = Law("stribeck", stribeck_curve)
 _LISTED = (
     Law("coulomb", coulomb_level, constant=True),
     Law("stiction", coulomb_level, static_level, constant=True),

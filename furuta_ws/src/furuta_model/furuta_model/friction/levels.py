@@ -8,8 +8,6 @@ velocity:
 .. math:: g(v) = α_0 + α_1 e^{-(v/v_s)^2}
 """
 
-import numpy as np
-
 from furuta_model.compiled import inlined
 from furuta_model.elementary import exp
 from furuta_model.friction.parameters import Friction
@@ -37,28 +35,6 @@ def stribeck_curve(v: float, p: Friction) -> float:
     if ratio * ratio > LARGE_RATIO:
         return p.alpha0
     return p.alpha0 + p.alpha1 * exp(-ratio * ratio)
-
-
-def stribeck_fundamental(amplitude: float, p: Friction) -> float:
-    """∫ g(A sin x) sin x dx over a quarter cycle [V]: Dawson's integral."""
-    from scipy.special import dawsn  # noqa: PLC0415 - nodes, which never need it, start sooner
-
-    ratio = amplitude / p.stribeck_velocity
-    return p.alpha0 + p.alpha1 * float(dawsn(ratio)) / ratio
-
-
-def stribeck_mean(amplitude: float, p: Friction) -> float:
-    """Mean of g(A sin x) over a cycle [V]: a modified Bessel function."""
-    from scipy.special import i0e  # noqa: PLC0415 - nodes, which never need it, start sooner
-
-    ratio = amplitude / p.stribeck_velocity
-    return p.alpha0 + p.alpha1 * float(i0e(0.5 * ratio * ratio))
-
-
-def stribeck_slope(v: float, p: Friction) -> float:
-    """dg/dv [V s/rad] at v > 0 [rad/s]."""
-    ratio = v / p.stribeck_velocity
-    return float(-2.0 * abs(ratio) / p.stribeck_velocity * p.alpha1 * np.exp(-ratio * ratio))
 
 
 @inlined
