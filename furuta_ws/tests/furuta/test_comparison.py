@@ -49,12 +49,12 @@ def test_named_rigs_that_a_compensation_may_not_expect() -> None:
     settings = load_settings([], ["sample_time=0.002", "plant.friction.viscous=0.1"])
     rigs = {rig.name: rig.plant(settings) for rig in named_rigs(settings)}
     late = rigs["delay 10 lag 15, x 0.3"]
-    assert (late.drive.delay * late.sample_time, late.drive.lag) == (0.01, 0.015)
+    assert (late.drive.late.delay * late.sample_time, late.drive.late.lag) == (0.01, 0.015)
     assert late.friction.parameters.alpha0 == pytest.approx(0.3 * NOMINAL[LEVEL])
     assert late.friction.parameters.viscous == pytest.approx(0.03)
     without = rigs["backlash 5 mrad, no friction"]
     assert max(without.friction.parameters[2:4]) == without.friction.parameters.viscous == 0.0
-    assert (without.coupling.backlash, without.drive.delay) == (0.005, 0)
+    assert (without.coupling.backlash, without.drive.late.delay) == (0.005, 0)
 
 
 def test_random_rig_is_the_same_in_any_number() -> None:

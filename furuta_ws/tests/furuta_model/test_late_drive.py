@@ -11,9 +11,9 @@ from furuta_model.late_drive import (
     DriveMemory,
     LateDrive,
     acting_torque,
+    assume_held,
     design_drive,
     design_prediction,
-    forget_voltages,
     predicted,
 )
 from furuta_model.linear import linearize
@@ -45,7 +45,7 @@ def test_the_torque_is_that_of_a_delay_and_a_lag(drive: LateDrive) -> None:
         else:
             expected.append(voltage)
     assert found == pytest.approx(expected, abs=1e-6)
-    forget_voltages(memory)
+    assume_held(memory, 0.0)
     assert acting_torque(memory, 0.0, p) == 0.0
 
 
@@ -64,9 +64,3 @@ def test_the_prediction_is_the_motion_to_come(drive: LateDrive) -> None:
         torque = acting_torque(memory, voltages[-1], of_drive)
         x = step[:4, :4] @ x + step[:4, 4] * torque
     assert found == pytest.approx(x.tolist(), rel=1e-9)
-
-
-def test_without_lateness_there_is_no_prediction() -> None:
-    a, b = linearize(FurutaPendulum())
-    assert not design_prediction(a, b, LateDrive(), DT).ahead
-    assert design_prediction(a, b, LateDrive(), DT, horizon=0.02).ahead

@@ -14,8 +14,8 @@ from typing import Annotated, Final, NamedTuple
 import numpy as np
 
 from furuta_model.block import zeros
-from furuta_model.compiled import inlined
-from furuta_model.parameters import SELECTS, About
+from furuta_model.compiled import compiled, inlined
+from furuta_model.parameters import INLINE, SELECTS, About
 from furuta_model.state import RIGID_STATES
 
 # Largest delay of drive and sensors [samples].
@@ -24,17 +24,25 @@ DELAY_SLOTS: Final = MAX_DELAY + 1
 
 
 class LateDrive(NamedTuple):
-    """What is known of the drive; a rig file states it."""
+    """How late a drive is: as it is, or as is known; a rig file states it."""
 
-    delay: Annotated[int, About("known delay of the drive", "samples", 0, MAX_DELAY)] = 0
-    lag: Annotated[
-        float, About("known time constant of the drive's torque, 0 for none", "s", 0, 1)
-    ] = 0.0
+    delay: Annotated[int, About("delay of the drive", "samples", 0, MAX_DELAY)] = 0
+    lag: Annotated[float, About("time constant of the drive's torque, 0 for none", "s", 0, 1)] = 0.0
 
     @property
     def is_late(self) -> bool:
         """Whether a command acts later than at once."""
         return self.delay > 0 or self.lag > 0.0
+
+
+class Drive(NamedTuple):
+    """Dynamics of the simulated drive. The measurement contains its voltage, not the torque."""
+
+    late: Annotated[LateDrive, INLINE] = LateDrive()
+    dead_band: Annotated[
+        float,
+        About("voltage up to which there is no torque; above it only the excess acts", "V", 0, 10),
+    ] = 0.0
 
 
 @dataclass
@@ -67,9 +75,20 @@ def design_drive(p: LateDrive, dt: float) -> SampledDrive:
     return SampledDrive(p.delay > 0, p.delay, end_share, 1.0 - end_share / d)
 
 
+@compiled
+def without_dead_band(voltage: float, width: float) -> float:
+    """The part of a voltage beyond ±``width`` [V]."""
+    if abs(voltage) <= width:
+        return 0.0
+    return voltage - width if voltage > 0.0 else voltage + width
+
+
 @inlined
 def acting_torque(memory: DriveMemory, voltage: float, p: SampledDrive) -> float:
-    """Mean torque [V] over the sample in which the drive has been given ``voltage`` [V]."""
+    """Mean torque [V] over the sample in which the drive has been given ``voltage`` [V].
+
+    So the momentum is exact. What changes within a sample is that of a delay far below one.
+    """
     memory.voltages[memory.place] = voltage
     due = voltage
     if p.delayed:
@@ -96,21 +115,14 @@ def assume_held(memory: DriveMemory, voltage: float) -> None:
     memory.torque = voltage
 
 
-@inlined
-def forget_voltages(memory: DriveMemory) -> None:
-    """Forget what has been sent."""
-    assume_held(memory, 0.0)
-
-
 class Prediction(NamedTuple):
-    """The linear prediction; without ``ahead`` there is none.
+    """The linear prediction.
 
     ``state`` (4, 4) and ``torque`` (4,) are the parts of the present state and torque,
     ``response`` (4, n) that of the voltages that have been sent, the last one first, of which
     ``pending`` count.
     """
 
-    ahead: Annotated[bool, SELECTS]
     pending: int
     state: np.ndarray
     torque: np.ndarray
@@ -127,27 +139,24 @@ def design_prediction(
     from scipy.linalg import expm  # noqa: PLC0415 - slow; nodes without prediction start sooner
 
     held = max(round(max(drive.lag, horizon - drive.delay * dt) / dt), 0)
-    states = np.eye(RIGID_STATES + 1)
     response = np.zeros((RIGID_STATES + 1, DELAY_SLOTS))
-    if drive.delay + held:
-        sampled, step = design_drive(drive, dt), np.zeros((RIGID_STATES + 2, RIGID_STATES + 2))
-        system = np.zeros((RIGID_STATES + 1, RIGID_STATES + 1))
-        system[:RIGID_STATES, :RIGID_STATES], system[:RIGID_STATES, RIGID_STATES] = a, b
-        # State, torque and voltage over a sample.
-        exact = expm(system * dt)[:RIGID_STATES]
-        step[:RIGID_STATES, :RIGID_STATES] = exact[:, :RIGID_STATES]
-        step[:RIGID_STATES, -2] = (1.0 - sampled.mean_share) * exact[:, -1]
-        step[:RIGID_STATES, -1] = sampled.mean_share * exact[:, -1]
-        step[-2, -2:] = 1.0 - sampled.end_share, sampled.end_share
-        step[-1, -1] = 1.0
-        over_lag = np.linalg.matrix_power(step, held).copy()
-        response[:, 0] = over_lag[:-1, -1]
-        for sample in range(drive.delay):
-            response[:, sample] += over_lag[:-1, :-1] @ step[:-1, -1]
-            over_lag[:-1, :-1] = over_lag[:-1, :-1] @ step[:-1, :-1]
-        states = over_lag[:-1, :-1]
+    sampled, step = design_drive(drive, dt), np.zeros((RIGID_STATES + 2, RIGID_STATES + 2))
+    system = np.zeros((RIGID_STATES + 1, RIGID_STATES + 1))
+    system[:RIGID_STATES, :RIGID_STATES], system[:RIGID_STATES, RIGID_STATES] = a, b
+    # State, torque and voltage over a sample.
+    exact = expm(system * dt)[:RIGID_STATES]
+    step[:RIGID_STATES, :RIGID_STATES] = exact[:, :RIGID_STATES]
+    step[:RIGID_STATES, -2] = (1.0 - sampled.mean_share) * exact[:, -1]
+    step[:RIGID_STATES, -1] = sampled.mean_share * exact[:, -1]
+    step[-2, -2:] = 1.0 - sampled.end_share, sampled.end_share
+    step[-1, -1] = 1.0
+    over_lag = np.linalg.matrix_power(step, held).copy()
+    response[:, 0] = over_lag[:-1, -1]
+    for sample in range(drive.delay):
+        response[:, sample] += over_lag[:-1, :-1] @ step[:-1, -1]
+        over_lag[:-1, :-1] = over_lag[:-1, :-1] @ step[:-1, :-1]
+    states = over_lag[:-1, :-1]
     return Prediction(
-        ahead=bool(drive.delay + held),
         pending=max(drive.delay, 1),
         state=states[:RIGID_STATES, :RIGID_STATES].copy(),
         torque=states[:RIGID_STATES, RIGID_STATES].copy(),

@@ -10,10 +10,10 @@ from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.maxwell_slip import MAX_SPRINGS
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import MAX_SUBSTEPS, substeps_for
+from furuta_model.late_drive import Drive
 from furuta_model.parameters import INLINE, About, ParameterError
 from furuta_model.parts.coupling import Coupling
 from furuta_model.parts.disturbances import Pushes, Tilt, TorqueWaves
-from furuta_model.parts.drive import Drive
 from furuta_model.parts.motion import Cogging, PendulumFriction
 from furuta_model.parts.sensor_faults import SensorFaults
 from furuta_model.parts.varied_friction import FrictionVariation

@@ -8,11 +8,11 @@ from typing import Annotated, NamedTuple
 
 from furuta_hw.rigs.calibration import ArmEncoder, DriveConverter, PendulumSensor, SpeedSensor
 from furuta_model.friction.parameters import Friction
+from furuta_model.late_drive import Drive, LateDrive
 from furuta_model.linear import DesiredPoles, KalmanParameters
 from furuta_model.parameters import About, ParameterError
 from furuta_model.parts.coupling import Coupling
 from furuta_model.parts.disturbances import Tilt, TorqueWaves
-from furuta_model.parts.drive import Drive
 from furuta_model.parts.motion import PendulumFriction
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Sensors
@@ -111,7 +111,8 @@ class Rig(NamedTuple):
     @property
     def drive_dynamics(self) -> Drive:
         """Delay and lag of the drive as the simulator models them."""
-        return Drive(round(self.drive.delay / self.line.sample_time), self.drive.lag)
+        samples = round(self.drive.delay / self.line.sample_time)
+        return Drive(LateDrive(samples, self.drive.lag))
 
     @property
     def watchdog_samples(self) -> int:

@@ -147,7 +147,8 @@ def delay_margin(control: Loop) -> float:
     plant, stands, falls = control.plant, -1, MAX_DELAY + 1
     while falls - stands > 1:
         delay = (stands + falls) // 2
-        delayed = plant._replace(drive=plant.drive._replace(delay=delay))
+        late = plant.drive.late._replace(delay=delay)
+        delayed = plant._replace(drive=plant.drive._replace(late=late))
         if outcome(control._replace(plant=delayed), DELAYED_SECONDS).fell:
             falls = delay
         else:

@@ -303,5 +303,5 @@ def _drawn(rig: Rig) -> PlantValues:
         **values(rig.pendulum_friction, "pendulum_friction."),
         **values(rig.tilt, "tilt."),
         **values(rig.waves, "waves."),
-        "drive.delay": rig.drive_dynamics.delay,
+        "drive.delay": rig.drive_dynamics.late.delay,
     }
