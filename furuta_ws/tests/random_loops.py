@@ -43,7 +43,6 @@ def random_loop(
     )
     drive = LateDrive(int(r.choice([0, 7])), float(r.choice([0.0, 0.01])))
     control = controller(
-        drive=drive,
         integral_time=float(r.choice([0.0, 5.0])),
         strength=float(r.choice([1.0, 0.3])),
     )

@@ -71,10 +71,13 @@ def test_estimator_is_the_function_in_python() -> None:
         assert run.estimate[k, 4] == measurement[4]
 
 
-def test_memory_starts_at_zero_for_another_function() -> None:
-    """A function does not find what the one before it has left."""
-    changing = Simulation(furuta.make_loop({"compensation": array_counting}))
-    changing.run(1.0)
+@pytest.mark.parametrize("earlier", [(array_counting,), (counting, "none")])
+def test_memory_starts_at_zero(earlier: tuple[Any, ...]) -> None:
+    """A function does not find what another one, or it itself before a switch, has left."""
+    changing = Simulation(furuta.make_loop({"compensation": earlier[0]}))
+    for each in earlier:
+        changing.loop = furuta.make_loop({"compensation": each})
+        changing.run(1.0)
     changing.loop = furuta.make_loop({"compensation": counting})
     run = changing.run(1.0)
     memory = Count()

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import pytest
 from part_parameters import controller
-from scipy.linalg import expm
 
 from furuta_control.control import (
     ControllerMemory,
@@ -18,9 +17,6 @@ from furuta_control.excitation import ExcitationParameters
 from furuta_control.modes.own import OwnControl
 from furuta_model.accepted_parts import part_name
 from furuta_model.block import new_memory
-from furuta_model.late_drive import DriveMemory, LateDrive, acting_torque, design_drive
-from furuta_model.linear import linearize
-from furuta_model.pendulum import FurutaPendulum
 
 GAIN = (-1.0, -2.0, -30.0, -4.0)
 RNG = np.random.default_rng(13)
@@ -245,23 +241,3 @@ def test_strength_changes_without_a_jump() -> None:
     series = np.array([before, *(control(memory, x, 0.2, design) for _ in range(1500))])
     assert np.max(np.abs(np.diff(series))) < 0.02 * abs(before - none)
     assert series[-1] == pytest.approx(none, abs=1e-6)
-
-
-def after_late_drive(known: LateDrive, true: LateDrive) -> float:
-    """Largest part of a state 5 s after a disturbance, on the linear model with a late drive."""
-    p = controller(drive=known)
-    memory, design = memory_of(), design_controller(p)
-    drive, of_drive = new_memory(DriveMemory)[0], design_drive(true, p.sample_time)
-    a, b = linearize(FurutaPendulum())
-    step = expm(np.block([[a, b[:, None]], [np.zeros((1, 5))]]) * p.sample_time)
-    x = np.array([0.05, 0.0, 0.0, 0.0])
-    for _ in range(5000):
-        torque = acting_torque(drive, control(memory, x, 0.0, design), of_drive)
-        x = step[:4, :4] @ x + step[:4, 4] * torque
-    return float(np.max(np.abs(x)))
-
-
-def test_a_late_drive_that_is_known_does_not_make_the_loop_oscillate() -> None:
-    late = LateDrive(80, 0.04)
-    assert after_late_drive(late, late) < 1e-3
-    assert after_late_drive(LateDrive(), late) > 0.05

@@ -56,7 +56,7 @@ class Controller(ControllerNode):
         self._stamp, self._command = NEVER, 0.0
         self._friction, self._friction_stamp, self._timeout = 0.0, NEVER, 0.0
         self._is_estimated, self._is_applied = True, True
-        self._restart_pending = self._is_answered = False
+        self._answered_stamp, self._sample_time = NEVER, PERIOD
         self.missed_estimates = self._active_mode = 0
 
     def _step(self, memory: Any, x: Any, friction: float, *others: Any) -> tuple[float, int]:
@@ -80,7 +80,8 @@ class Controller(ControllerNode):
 
     def key(self) -> Any:
         """What determines how it goes on."""
-        flags = self._is_estimated, self._restart_pending, self._is_answered
+        answered = self._answered_stamp == NEVER, self._answered_stamp == self._stamp
+        flags = self._is_estimated, *answered
         return self._stamp, self._command, self._friction, self._friction_stamp, flags
 
 

@@ -51,8 +51,13 @@ MUTANTS: list[tuple[type, str, str, Bounds]] = [
     (LockStep, "if 0 < sent < self._began:", "if False:", Bounds(3, resets=1)),
     (LockStep, "elif self._is_repeated:", "elif False:", Bounds(3, losses=1, early=1)),
     (LockStep, "unchanged >= SETTLE_TIME", "True", Bounds(3, losses=1, early=1)),
-    (ControllerNode, "and not self._is_answered:", ":", Bounds(3, losses=1)),
-    (ControllerNode, "if self._is_answered:", "if False:", Bounds(2, losses=1)),
+    (
+        ControllerNode,
+        "if self._stamp != self._answered_stamp:",
+        "if self._stamp != NEVER:",
+        Bounds(3, losses=1),
+    ),
+    (ControllerNode, "if stamp == self._answered_stamp:", "if False:", Bounds(2, losses=1)),
     (ControllerNode, "self._is_estimated or is_anew or ", "False and ", Bounds(2)),
 ]
 

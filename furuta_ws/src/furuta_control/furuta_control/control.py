@@ -26,7 +26,6 @@ from furuta_control.modes.mode import ControlledRig, Gain, Mode
 from furuta_control.modes.own import OwnControl
 from furuta_control.modes.swing_up import SwingUp, SwingUpMemory, SwingUpParameters
 from furuta_model.compiled import inlined
-from furuta_model.late_drive import LateDrive
 from furuta_model.linear import DesiredPoles, place_poles
 from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once, shortened
@@ -51,6 +50,8 @@ ACTIVE_MODES = tuple(dict.fromkeys((*mode.PHASES, *_NAMES, "own")))
 # The value of ``gain`` without an explicit gain. It is not empty, because ROS tools do not keep the
 # type of an empty list, and not four zeros, because these are a gain.
 POLE_PLACEMENT = (0.0,)
+# Value of ``running`` in the memory that is no mode plus 1.
+NOT_RUNNING = 0
 
 
 class ControllerParameters(NamedTuple):
@@ -82,7 +83,6 @@ class ControllerParameters(NamedTuple):
     ] = 0.01
     excitation: ExcitationParameters = ExcitationParameters()
     swing_up: SwingUpParameters = SwingUpParameters()
-    drive: LateDrive = LateDrive()
     sample_time: Annotated[
         float, About("time between commands", "s", 1e-5, 0.1, read_only=True)
     ] = 0.001
@@ -137,8 +137,12 @@ class ControllerDesign(NamedTuple):
 
 @dataclass
 class ControllerMemory:
-    """What the controller remembers; ``phase`` is that of the excitation [rad]."""
+    """What the controller remembers; ``phase`` is that of the excitation [rad].
 
+    ``running`` is the mode plus 1, :data:`NOT_RUNNING` before it begins.
+    """
+
+    running: int = NOT_RUNNING
     phase: float = 0.0
     balance: BalanceMemory = field(default_factory=BalanceMemory)
     swing_up: SwingUpMemory = field(default_factory=SwingUpMemory)
@@ -149,9 +153,7 @@ class ControllerMemory:
 def design_controller(p: ControllerParameters) -> ControllerDesign:
     """The controller that the parameters describe; for another mode only what takes no time."""
     kind, function = kind_and_address(p.mode, _NAMES, OwnControl, float64)
-    rig = ControlledRig(
-        p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.drive, p.sample_time
-    )
+    rig = ControlledRig(p.model, p.model_viscous, p.voltage_limit, p.feedback_gain, p.sample_time)
     balancing = balance.design(rig, p.balance)
     return ControllerDesign(
         enabled=p.enabled,
@@ -176,13 +178,20 @@ def design_controller(p: ControllerParameters) -> ControllerDesign:
 @inlined
 def control(memory: ControllerMemory, x: np.ndarray, friction: float, p: ControllerDesign) -> float:
     """Command u [V] for the state estimate ``x`` (4 or more) and friction estimate [V]."""
+    if memory.running != p.mode + 1:
+        begin(memory, p)
+    friction = balance.scaled(memory.balance, friction, p.balance)
+    return limited(_commanded(memory, x, friction, p), p)
+
+
+@inlined
+def begin(memory: ControllerMemory, p: ControllerDesign) -> None:
+    """Begin a mode: at first, after a switch or a restart."""
+    memory.running = p.mode + 1
+    forget_own(memory.own)
     if not p.feedback:
         balance.leave(memory.balance)
         swing_up.reset(memory.swing_up)
-    friction = balance.scaled(memory.balance, friction, p.balance)
-    u = limited(_commanded(memory, x, friction, p), p)
-    balance.remember(memory.balance, u, friction, p.balance)
-    return u
 
 
 @inlined
@@ -238,7 +247,7 @@ def active_mode(memory: ControllerMemory, p: ControllerDesign) -> int:
 @inlined
 def reset(memory: ControllerMemory) -> None:
     """Forget a fall, as the rig has been put back into its initial state."""
-    forget_own(memory.own)
+    memory.running = NOT_RUNNING
     balance.reset(memory.balance)
     swing_up.reset(memory.swing_up)
 

@@ -60,8 +60,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._x, self._stamp, self._command = NO_SIGNALS, NEVER, 0.0
         self._friction, self._friction_stamp = 0.0, NEVER  # of the state before the estimate
         self._is_estimated = True  # whether an estimate has come since the last state
-        self._restart_pending = False  # the next command comes after a gap
-        self._is_answered = False
+        self._answered_stamp = NEVER
         self._is_applied = True  # whether a rig applies the commands
         self.missed_estimates = 0
         self._active_mode = mode.OFF
@@ -82,21 +81,22 @@ class ControllerNode(FurutaNode[ControllerParameters]):
     def _design(self, parameters: ControllerParameters) -> None:
         """Redesign the controller; its memory is kept."""
         self._controller = block(design_controller(parameters))
-        self._step = for_types_of(_step, self._memory, self._x, 0.0, self._controller, True, True)
+        self._step = for_types_of(_step, self._memory, self._x, 0.0, self._controller, 0, True)
+        self._sample_time = parameters.sample_time * NANOSECONDS
         self._timeout = parameters.friction_timeout * NANOSECONDS
 
     def on_state(self, data: bytes) -> None:
         """Wait for the state's estimate, or answer at once if the last state has had none."""
         stamp, self._x = unpack_joint_state(data) or typed_joint_state(data)
         if stamp == self._stamp:
-            if self._is_answered:
+            if stamp == self._answered_stamp:
                 self._publish()
             return
         is_anew, self._stamp = starts_anew(stamp - self._stamp), stamp
-        self._restart_pending |= is_anew
+        if is_anew:
+            self._answered_stamp = NEVER
         waits = self._is_estimated or is_anew or self.time_is_simulated()
         self._is_estimated = False
-        self._is_answered = False
         if not waits:
             self._answer_without_estimate()
 
@@ -104,7 +104,7 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         """Answer the state with its estimate."""
         self._friction, self._friction_stamp = read_value(data), self._stamp
         self._is_estimated = True
-        if self._stamp != NEVER and not self._is_answered:
+        if self._stamp != self._answered_stamp:
             self._answer(self._friction)
 
     def _answer_without_estimate(self) -> None:
@@ -116,13 +116,14 @@ class ControllerNode(FurutaNode[ControllerParameters]):
 
     def _answer(self, friction: float) -> None:
         """Compute the command for the state and publish it."""
-        restarts, is_applied = self._restart_pending, self._is_applied
+        interval = self._stamp - self._answered_stamp
+        samples = 0 if starts_anew(interval) else max(round(interval / self._sample_time), 1)
         command, active = self._step(
-            self._memory, self._x, friction, self._controller, restarts, is_applied
+            self._memory, self._x, friction, self._controller, samples, self._is_applied
         )
         if isnan(command):
             raise RefusedError(f"no value of x may be larger than {LARGEST_VALUE:g}: {self._x}")
-        self._command, self._is_answered, self._restart_pending = command, True, False
+        self._command, self._answered_stamp = command, self._stamp
         if active != self._active_mode:
             self._active_mode = active
             self._publish_mode()
@@ -144,18 +145,21 @@ def _step(
     state: Signals,
     friction: float,
     controller: np.ndarray,
-    restarts: bool,
+    samples: int,
     is_applied: bool,
 ) -> tuple[float, int]:
     """The command u [V] and what the controller does.
 
-    The command is NaN, without a step, if a number of the state is impossible.
+    The state is ``samples`` after the last one, or begins anew if that is 0. The command is NaN,
+    without a step, if a number of the state is impossible.
     """
     x = np.array(state)
     if not is_possible(x):
         return np.nan, 0
-    if restarts:
+    if samples == 0:
         reset(memory[0])
+    for _ in range(samples - 1):
+        control(memory[0], x, friction, controller[0])
     if not is_applied:
         forget_integrals(memory[0])
     u = control(memory[0], x, friction, controller[0])

@@ -27,8 +27,8 @@ from furuta_model.late_drive import (
     LateDrive,
     SampledDrive,
     acting_torque,
+    assume_held,
     design_drive,
-    forget_voltages,
 )
 from furuta_model.linear import KalmanParameters
 from furuta_model.own_functions import ADDRESS, OwnMemory, forget_own, kind_and_address
@@ -264,6 +264,7 @@ def _filter(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign
 @inlined
 def _begin(memory: EstimatorMemory, measurement: np.ndarray, p: EstimatorDesign) -> None:
     """Let the method start from the estimate."""
+    forget_own(memory.own)
     if p.method == LOWPASS:
         lowpass.begin(memory.estimate, memory.readings.last, measurement, p.lowpass)
 
@@ -341,8 +342,7 @@ def unusable_readings(memory: EstimatorMemory) -> int:
 def restart(memory: EstimatorMemory) -> None:
     """Forget the estimate: the next measurement starts a new one."""
     memory.running = NOT_RUNNING
-    forget_own(memory.own)
-    forget_voltages(memory.drive)
+    assume_held(memory.drive, 0.0)
 
 
 @compiled

@@ -15,7 +15,6 @@ from furuta.settings.parameter_names import (
 from furuta_control.control import POLE_PLACEMENT
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
-from furuta_model.late_drive import LateDrive
 from furuta_model.linear import DesiredPoles
 from furuta_model.parameters import ParameterError, build, values
 from furuta_ros.parameter_files import Section, is_of_ros, sections
@@ -56,14 +55,14 @@ def rig_settings(rig: Rig) -> Settings:
     placement. The friction observer therefore compensates the rest of the friction.
     """
     model, sensors = values(rig.model, "model."), values(rig.sensors, "sensors.")
-    drive = LateDrive(rig.drive_dynamics.delay, rig.drive_dynamics.lag)
-    nominal = model | {"model_viscous": rig.friction.viscous} | values(drive, "drive.")
+    nominal = model | {"model_viscous": rig.friction.viscous}
+    observing = nominal | values(rig.drive_dynamics.late, "drive.")
     time = {"sample_time": rig.line.sample_time}
     settings = default_settings()
     settings["plant"] = model | sensors | values(rig.friction, "friction.") | time
     settings["plant"] |= _plant_parts(rig)
-    settings["estimator"] = nominal | sensors | time | values(rig.kalman)
-    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | nominal | time
+    settings["estimator"] = observing | sensors | time | values(rig.kalman)
+    settings["friction_observer"] = values(rig.friction._replace(viscous=0.0)) | observing | time
     settings["controller"] = nominal | time | values(rig.poles) | _limits(rig)
     return settings
 

@@ -44,7 +44,7 @@ from furuta.studies.tuning_plan import (
     TuningPlan,
 )
 from furuta_friction.compensation import ObserverParameters
-from furuta_friction.observation import limited
+from furuta_friction.disturbance_observer import limited
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
 from furuta_sim.simulation.closed_loop import Loop, Simulation
@@ -179,7 +179,7 @@ class Tuner:
         changed = Compensation(
             estimator._replace(drive=drive),
             observer._replace(compensation=RECOMMENDED, bandwidth=scale * USUAL, drive=drive),
-            controller._replace(balance=balance, drive=drive),
+            controller._replace(balance=balance),
         )
         return Trial(RECOMMENDED, scale, lag, changed)
 

@@ -11,12 +11,9 @@ The arm's error φ − reference is limited before it is fed back. An arm that i
 at a limited speed, and the pendulum keeps enough of the voltage. For any gain on the error between
 0 and L₁ the loop with the paper's gain is stable. Integral action on that error, a rival of
 friction compensation, is an option. The strength k scales the compensation, u = −Lx + kF̂.
-
-If the drive is known to be late, x is the state when the command acts
-(:mod:`furuta_model.late_drive`).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import ceil, expm1, pi
 from typing import Annotated, NamedTuple
 
@@ -24,17 +21,6 @@ import numpy as np
 
 from furuta_control.modes.mode import ControlledRig, Gain, fed_back
 from furuta_model.compiled import inlined
-from furuta_model.late_drive import (
-    DriveMemory,
-    Prediction,
-    SampledDrive,
-    acting_torque,
-    design_drive,
-    design_prediction,
-    forget_voltages,
-    predicted,
-)
-from furuta_model.linear import linearize
 from furuta_model.parameters import OFF_AT_ZERO, About, ParameterError, designed_once
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 
@@ -53,7 +39,6 @@ class BalanceMemory:
         integral: Integral of the arm's error over the integral time [rad].
         begun: Whether the strength has begun at its parameter.
         strength: The strength that acts.
-        drive: What the drive has been given without the compensation.
     """
 
     balancing: bool = False
@@ -62,7 +47,6 @@ class BalanceMemory:
     integral: float = 0.0
     begun: bool = False
     strength: float = 0.0
-    drive: DriveMemory = field(default_factory=DriveMemory)
 
 
 class BalanceParameters(NamedTuple):
@@ -127,8 +111,6 @@ class Balance(NamedTuple):
     catch_samples: int
     integral_share: Annotated[float, OFF_AT_ZERO]
     strength_share: float
-    drive: SampledDrive
-    prediction: Prediction
 
 
 @designed_once
@@ -141,8 +123,6 @@ def design(rig: ControlledRig, p: BalanceParameters) -> Balance:
         catch_samples=ceil(p.catch_time / dt),
         integral_share=dt / p.integral_time if p.integral_time > 0.0 else 0.0,
         strength_share=-expm1(-dt / STRENGTH_TIME),
-        drive=design_drive(rig.drive, dt),
-        prediction=design_prediction(*linearize(rig.model, rig.viscous), rig.drive, dt),
     )
 
 
@@ -201,9 +181,8 @@ def reset(memory: BalanceMemory) -> None:
 
 @inlined
 def forget_integrals(memory: BalanceMemory) -> None:
-    """Forget what was integrated, and what the drive has been given."""
+    """Forget what was integrated."""
     memory.integral = 0.0
-    forget_voltages(memory.drive)
 
 
 @inlined
@@ -218,27 +197,14 @@ def scaled(memory: BalanceMemory, friction: float, p: Balance) -> float:
 @inlined
 def command(memory: BalanceMemory, x: np.ndarray, friction: float, p: Balance) -> float:
     """Command u [V], unsaturated, for state estimate ``x`` and :func:`scaled` ``friction`` [V]."""
-    phi, phi_dot, theta, theta_dot = x[PHI], x[PHI_DOT], x[THETA], x[THETA_DOT]
-    if p.prediction.ahead:
-        phi = predicted(memory.drive, x, PHI, p.prediction)
-        phi_dot = predicted(memory.drive, x, PHI_DOT, p.prediction)
-        theta = predicted(memory.drive, x, THETA, p.prediction)
-        theta_dot = predicted(memory.drive, x, THETA_DOT, p.prediction)
     limit = p.parameters.arm_error_limit
-    error = min(max(phi - p.parameters.arm_reference, -limit), limit)
-    u = fed_back(friction, error, phi_dot, theta, theta_dot, p.gain)
+    error = min(max(x[PHI] - p.parameters.arm_reference, -limit), limit)
+    u = fed_back(friction, error, x[PHI_DOT], x[THETA], x[THETA_DOT], p.gain)
     if p.integral_share > 0.0:
         integral = memory.integral + p.integral_share * error
         memory.integral = min(max(integral, -limit), limit)
         u -= p.gain.l1 * memory.integral
     return u
-
-
-@inlined
-def remember(memory: BalanceMemory, u: float, friction: float, p: Balance) -> None:
-    """Remember the command u [V] as sent, with the ``friction`` [V] that it compensates."""
-    if p.prediction.ahead:
-        acting_torque(memory.drive, u - friction, p.drive)
 
 
 @inlined

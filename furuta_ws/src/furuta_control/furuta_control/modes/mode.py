@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 from furuta_model.compiled import inlined
-from furuta_model.late_drive import LateDrive
 from furuta_model.pendulum import FurutaPendulum
 
 # What a mode does in a sample, and its name for those who watch: the phases of the swing-up.
@@ -21,13 +20,12 @@ class Gain(NamedTuple):
 
 
 class ControlledRig(NamedTuple):
-    """What every mode is told: model with its friction [V s/rad], range [V], L, drive, time [s]."""
+    """What every mode is told: model with its friction [V s/rad], range [V], L, sample time [s]."""
 
     model: FurutaPendulum
     viscous: float
     voltage_limit: float
     gain: Gain
-    drive: LateDrive
     sample_time: float
 
 
