@@ -6,7 +6,7 @@ from typing import Any
 from furuta_control.control import ControllerParameters
 from furuta_control.modes.balance import BalanceParameters
 from furuta_friction.compensation import ObserverParameters, design_compensator
-from furuta_friction.compensators.recommended import LARGEST_ESTIMATE
+from furuta_friction.compensators.predictive import LARGEST_ESTIMATE
 
 
 def controller(**given: Any) -> ControllerParameters:
@@ -21,6 +21,6 @@ def largest_estimate(v: float, p: ObserverParameters) -> float:
     level = (friction.alpha0 + friction.alpha1) * (1.0 + abs(friction.asymmetry))
     if p.compensation == "recommended":
         # The viscous part is that of a predicted speed.
-        inverted = 2.0 * design_compensator(p).recommended.inversion - 1.0
+        inverted = 2.0 * design_compensator(p).predictive.inversion - 1.0
         return inf if friction.viscous else inverted * LARGEST_ESTIMATE * level
     return factor * level + friction.viscous * abs(v)

@@ -13,13 +13,13 @@ import furuta
 import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Controller, servo_motions
 from furuta.axis.compensations import compare_on_axis, residual
+from furuta.axis.friction_text import friction_from_text
 from furuta.axis.joint_file import NEEDED, joint_parameters, write_joint_file
 from furuta.axis.quiet_gains import gain_rows, quiet_gains, stable_gains
 from furuta.results.cycles import JointCycle
 from furuta.results.rig_friction import MeasuredFriction
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_hw.commissioning.friction import FrictionLevels
-from furuta_model.friction.text import friction_from_text
 from furuta_ros.parameter_files import read_sections
 
 FRICTION = furuta.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
@@ -294,8 +294,8 @@ def test_what_is_recommended_for_a_late_loop_with_gears() -> None:
     ]
     at_once, late = ({r.compensation: r for r in each.residuals} for each in compared)
     assert [each.recommended.compensation for each in compared] == ["recommended"] * 2
-    assert late["recommended"].error_rad < 1.25 * at_once["recommended"].error_rad
-    assert late["recommended"].error_rad < 0.2 * late["none"].error_rad
+    assert late["recommended"].error_rad < 1.4 * at_once["recommended"].error_rad
+    assert late["recommended"].error_rad < 0.1 * late["none"].error_rad
     assert late["recommended"].chatter_nm < 0.1 * FRICTION.alpha0
     with pytest.raises(furuta.ParameterError, match="delay 0 to 1 s"):
         furuta.simulate_axis(AXIS, PID, delay=-1.0)

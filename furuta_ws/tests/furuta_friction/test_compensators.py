@@ -19,7 +19,7 @@ from furuta_friction.compensation import (
     estimate_friction,
 )
 from furuta_friction.compensators.adaptive import AdaptiveParameters
-from furuta_friction.compensators.recommended import LARGEST_ESTIMATE, RecommendedParameters
+from furuta_friction.compensators.predictive import LARGEST_ESTIMATE, PredictiveParameters
 from furuta_model.block import new_memory
 from furuta_model.friction.parameters import Friction
 
@@ -66,7 +66,7 @@ def test_bounded_for_any_motion(kind: str) -> None:
             adaptive=AdaptiveParameters(abs(gain)),
             sample_time=dt,
         )[kind]
-        inverted = 2.0 * observer.recommended.inversion - 1.0
+        inverted = 2.0 * observer.predictive.inversion - 1.0
         factor = {"adaptive": 3.0, "recommended": LARGEST_ESTIMATE * inverted}.get(kind, 1.0)
         bound = factor * 0.232 * (1 + asymmetry) * (1 + 1e-9)
         memory, speeds = empty(), rng.choice([-1, 0, 1], 500) * 10 ** rng.uniform(-6, 3, 500)
@@ -75,7 +75,8 @@ def test_bounded_for_any_motion(kind: str) -> None:
             v, estimate = x[0], estimate_friction(memory, signals(*x), observer)
             fastest = inverted * np.max(np.abs(speeds)) if kind == "recommended" else abs(v)
             assert abs(estimate) <= bound + lugre.viscous * fastest
-            assert abs(lugre.sigma0 * memory["bristle"]["z"]) <= bound
+            for bristle in (memory["bristle"], memory["predictive"]["bristle"]):
+                assert abs(lugre.sigma0 * bristle["z"]) <= bound
 
 
 def test_converges_to_the_true_bristle() -> None:
@@ -117,7 +118,7 @@ def test_a_switch_begins_as_at_first(kind: str) -> None:
     """After another compensator, or a state that is not known, F̂ is that of a new one."""
     rng = np.random.default_rng(15)
     # No level is learned, as that is kept.
-    still = {"recommended": RecommendedParameters(0.0), "adaptive": AdaptiveParameters(0.0)}
+    still = {"predictive": PredictiveParameters(0.0), "adaptive": AdaptiveParameters(0.0)}
     by_kind = compensators(**still)
     used, new, begun = empty(), empty(), rng.normal(0, 0.1, (100, 5))
     for x in begun:
@@ -175,9 +176,9 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
         assert memory["adaptive"].item() == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 6 * 0.232)])
+@pytest.mark.parametrize(("observed", "expected"), [(0.1, 0.1), (-0.1, -0.1), (5.0, 20 * 0.232)])
 def test_the_rest_is_compensated_beside_the_model(observed: float, expected: float) -> None:
-    """At rest F̂ is what is observed, limited to six levels."""
+    """At rest F̂ is what is observed, limited to twenty levels."""
     compensator, memory, estimate = compensators()["recommended"], empty(), 0.0
     for _ in range(5000):
         # The drive has been given F̂ alone, so no motion is predicted.
@@ -193,7 +194,7 @@ def test_the_level_is_learned_while_the_arm_slides_one_way() -> None:
         memory = empty()
         for v in speeds:
             compensate(memory, signals(v, torque=0.0), np.sign(v) * observed, compensator)
-        return float(memory["recommended"]["level"])
+        return float(memory["predictive"]["level"])
 
     slide, rest = np.full(500, 0.5), np.zeros(500)
     vibration = 0.5 * np.sign(np.sin(2 * np.pi * 25.0 * DT * (np.arange(500) + 0.5)))

@@ -92,14 +92,16 @@ def pull(time: float, position: float) -> float:
     return 3.5 * np.sin(4.0 * time) + GRAVITY * np.sin(position)
 
 
-def compensated(observer: Observer, late: int, dt: float, seconds: float) -> np.ndarray:
+def compensated(
+    observer: Observer, late: int, dt: float, seconds: float, share: float = 1.0
+) -> np.ndarray:
     """The same, and the torque (n, 5), of a joint whose torque contains F̂ some samples late."""
     joint, rows, applied, sent = TrueJoint(), [], 0.0, [0.0] * 8
     for k in range(round(seconds / dt)):
         sent = [observer.estimate((joint.measured, nan, applied, nan)), *sent[:-1]]
         rows.append((k * dt, joint.friction, sent[0], joint.speed, applied))
         feedback = 1.5 * np.sin(4.0 * k * dt) + GRAVITY * np.sin(joint.position)
-        applied = feedback + sent[late]
+        applied = feedback + share * sent[late]
         joint.move(applied, dt)
     return np.array(rows)
 
@@ -120,6 +122,15 @@ def test_estimate_is_the_true_friction(dt: float, late: int, level: float) -> No
     assert np.count_nonzero(settled) > 1000
     assert np.sqrt(np.mean(error**2)) < 0.1 * LEVEL
     assert np.sqrt(np.mean(np.diff(rows[rows[:, 0] > 3.0, 4]) ** 2)) < 0.25 * LEVEL
+
+
+@pytest.mark.parametrize("late", [0, 1, 3])
+@pytest.mark.parametrize("share", [0.0, 0.2, 0.5])
+def test_an_estimate_need_not_be_applied(share: float, late: int) -> None:
+    """A joint that mostly sticks, or hardly slides: F̂ is near the friction and does not chatter."""
+    rows = compensated(Observer("recommended"), late, 1e-3, 6.0, share)[1000:]
+    assert np.sqrt(np.mean((rows[:, 2] - rows[:, 1]) ** 2)) < 0.25 * LEVEL
+    assert np.sqrt(np.mean(np.diff(rows[:, 2]) ** 2)) < 0.1 * LEVEL
 
 
 @pytest.mark.parametrize("compensation", ["coulomb", "lugre", "recommended"])

@@ -8,8 +8,8 @@ from furuta_friction.vibration import (
     REDUCTION,
     SMALLEST_PART,
     VibrationMemory,
+    allowed_share,
     design,
-    part_without_vibration,
 )
 from furuta_model.block import block, new_memory
 
@@ -21,7 +21,7 @@ TIME = np.arange(0.0, 2.0, DT)
 def parts(signal: np.ndarray) -> np.ndarray:
     """The part that may act, after every sample."""
     memory = new_memory(VibrationMemory)[0]
-    return np.array([part_without_vibration(memory, float(value), DETECTOR) for value in signal])
+    return np.array([allowed_share(memory, float(value), DETECTOR) for value in signal])
 
 
 @pytest.mark.parametrize("frequency", [20.0, 150.0])
@@ -51,6 +51,6 @@ def test_recovery() -> None:
     memory = new_memory(VibrationMemory)[0]
     memory["part"] = 1 / REDUCTION
     samples = round(RECOVERY_TIME / DT)
-    found = [part_without_vibration(memory, 0.0, DETECTOR) for _ in range(2 * samples)]
+    found = [allowed_share(memory, 0.0, DETECTOR) for _ in range(2 * samples)]
     assert found[samples - 1] == pytest.approx(np.e / REDUCTION, rel=1e-3)
     assert found[-1] == 1.0

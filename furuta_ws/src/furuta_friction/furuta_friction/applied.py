@@ -1,9 +1,9 @@
 """The applied torque without the friction estimate that it contains.
 
 Whether F̂ is part of the torque, and how many samples late, is up to others: a controller that does
-not use it, a rig that is not armed, a drive that reports late. A controller changes its feedback
-less from sample to sample than F̂ changes with the sign of the friction. So the torque contains that
-estimate, or none, without which it changes least.
+not use it or a part of it, a rig that is not armed, a drive that reports late. A controller changes
+its feedback less from sample to sample than F̂ changes with the sign of the friction. So the torque
+contains that estimate, half of it or none, without which it changes least.
 """
 
 from dataclasses import dataclass
@@ -15,13 +15,14 @@ import numpy as np
 from furuta_model.block import zeros
 from furuta_model.compiled import inlined
 
-# Estimates that are remembered: a torque can contain any but the last of them.
-SENT: Final = 5
-# The place of "none" among the possibilities; those before are the samples by which it is late.
-NONE: Final = SENT - 1
+# Samples from which an estimate is too late to be found.
+LATE: Final = 4
+SENT: Final = LATE + 1
+# Possibilities: the estimate with each lateness, half of it with each, and none.
+NONE: Final = 2 * LATE
 # Part of what is known of their changes that is forgotten in a sample; how many times less the mean
-# square change must be for another possibility to be believed.
-FORGOTTEN, BETTER = 0.02, 4.0
+# square change must be for another possibility to be believed, and for none.
+FORGOTTEN, BETTER, NONE_BETTER = 0.02, 4.0, 2.0
 
 
 @dataclass
@@ -30,8 +31,8 @@ class AppliedMemory:
 
     torque: float = 0.0
     sent: np.ndarray = zeros(SENT)
-    changes: np.ndarray = zeros(SENT)
-    late: int = 0
+    changes: np.ndarray = zeros(NONE + 1)
+    believed: int = 0
 
 
 @inlined
@@ -39,35 +40,37 @@ def learn(memory: AppliedMemory, torque: float) -> None:
     """Learn from the ``torque`` [V] that has been applied since the sample before."""
     if isnan(torque):
         return
-    best = memory.late
-    for i in range(SENT):
-        change = torque - memory.torque
-        if i < NONE:
-            change -= memory.sent[i] - memory.sent[i + 1]
-        memory.changes[i] += FORGOTTEN * (change * change - memory.changes[i])
-        if memory.changes[i] < memory.changes[best]:
-            best = i
-    if BETTER * memory.changes[best] < memory.changes[memory.late]:
-        memory.late = best
+    change, best = torque - memory.torque, memory.believed
     memory.torque = torque
+    for i in range(NONE + 1):
+        left = change - _share(i) * (memory.sent[i % LATE] - memory.sent[i % LATE + 1])
+        memory.changes[i] += FORGOTTEN * (left * left - memory.changes[i])
+    present = least = memory.changes[best]
+    for i in range(NONE):
+        if memory.changes[i] < least:
+            best, least = i, memory.changes[i]
+    if NONE_BETTER * memory.changes[NONE] < present:
+        memory.believed = NONE
+    elif BETTER * least < present:
+        memory.believed = best
 
 
 @inlined
-def is_applied(memory: AppliedMemory) -> bool:
-    """Whether the torque contains an estimate."""
-    return memory.late < NONE
+def _share(i: int) -> float:
+    """The share of the estimate in the torque."""
+    return 0.0 if i == NONE else 1.0 if i < LATE else 0.5
 
 
 @inlined
 def contained(memory: AppliedMemory) -> float:
-    """F̂ [V] in the applied torque."""
-    return memory.sent[memory.late] if is_applied(memory) else 0.0
+    """What the applied torque contains of F̂ [V]."""
+    return _share(memory.believed) * memory.sent[memory.believed % LATE]
 
 
 @inlined
 def too_late(memory: AppliedMemory) -> float:
-    """What the torque lacks [V] of the newest estimate if it contains an older one."""
-    return memory.sent[0] - memory.sent[memory.late] if is_applied(memory) else 0.0
+    """What the torque lacks [V] because it contains an older estimate than the newest."""
+    return _share(memory.believed) * (memory.sent[0] - memory.sent[memory.believed % LATE])
 
 
 @inlined
@@ -82,6 +85,8 @@ def remember(memory: AppliedMemory, estimate: float) -> None:
 def begin(memory: AppliedMemory, torque: float) -> None:
     """Begin with a ``torque`` [V], as if F̂ had been 0 V and were applied at once."""
     memory.torque = 0.0 if isnan(torque) else torque
-    memory.late = 0
+    memory.believed = 0
     for i in range(SENT):
-        memory.sent[i] = memory.changes[i] = 0.0
+        memory.sent[i] = 0.0
+    for i in range(NONE + 1):
+        memory.changes[i] = 0.0

@@ -12,34 +12,36 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction import applied, observation
-from furuta_friction.compensator import Compensator, Joint
+from furuta_friction import applied, disturbance_observer
 from furuta_friction.compensators import (
     adaptive,
     bristle_observer,
     coulomb,
     own,
-    recommended,
+    predictive,
     stiction,
 )
 from furuta_friction.compensators.adaptive import Adaptive, AdaptiveMemory, AdaptiveParameters
-from furuta_friction.compensators.bristle_observer import BristleMemory
+from furuta_friction.compensators.bristle_observer import BristleMemory, Joint
 from furuta_friction.compensators.own import OwnCompensation
-from furuta_friction.compensators.recommended import (
+from furuta_friction.compensators.predictive import (
     LARGEST_LEVEL,
-    Recommended,
-    RecommendedMemory,
-    RecommendedParameters,
+    Predictive,
+    PredictiveMemory,
+    PredictiveParameters,
 )
-from furuta_friction.observation import (
+from furuta_friction.disturbance_observer import (
+    FASTER_THAN_FALL,
+    LARGEST_STEP,
     Body,
     Observation,
     ObservationMemory,
+    balancing_friction,
     least_bandwidth,
     limited,
     observe,
 )
-from furuta_friction.observation import design as design_observation
+from furuta_friction.disturbance_observer import design as design_observation
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
@@ -49,6 +51,16 @@ from furuta_model.own_functions import OwnMemory, forget_own, kind_and_address
 from furuta_model.parameters import INLINE, SELECTS, About, designed_once
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT
+
+
+class Compensator(NamedTuple):
+    """A compensator: its title, and whether it needs the observed friction."""
+
+    name: str
+    title: str
+    meaning: str
+    needs_observed_friction: bool = False
+
 
 ALL = (
     Compensator("none", "None", "0 V"),
@@ -81,7 +93,7 @@ COULOMB = COMPENSATIONS.index("coulomb")
 STICTION = COMPENSATIONS.index("stiction")
 LUGRE = COMPENSATIONS.index("lugre")
 ADAPTIVE = COMPENSATIONS.index("adaptive")
-RECOMMENDED = COMPENSATIONS.index("recommended")
+PREDICTIVE = COMPENSATIONS.index("recommended")
 OWN = len(ALL)
 # Value of ``running`` in the memory that is no kind plus 1.
 NOT_RUNNING = 0
@@ -97,10 +109,18 @@ class ObserverParameters(NamedTuple):
         float, About("gain K by which the arm angle corrects the LuGre observer", "1/s", -1e3, 1e3)
     ] = 0.01
     bandwidth: Annotated[
-        float, About("bandwidth with which the friction is observed", "1/s", 0.01, 1e4)
+        float,
+        About(
+            "bandwidth with which the friction is observed; what acts is at most "
+            f"{LARGEST_STEP:g}/sample_time, and for recommended at least {FASTER_THAN_FALL:g} "
+            "times the rate at which the pendulum falls",
+            "1/s",
+            0.01,
+            1e4,
+        ),
     ] = 50.0
     adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
-    recommended: Annotated[RecommendedParameters, INLINE] = RecommendedParameters()
+    predictive: Annotated[PredictiveParameters, INLINE] = PredictiveParameters()
     model: FurutaPendulum = FurutaPendulum()
     model_viscous: Annotated[
         float,
@@ -140,7 +160,7 @@ class CompensationDesign(NamedTuple):
     joint: Joint
     observation: Observation
     adaptive: Adaptive
-    recommended: Recommended
+    predictive: Predictive
 
 
 @dataclass
@@ -154,7 +174,7 @@ class CompensationMemory:
     bristle: BristleMemory = field(default_factory=BristleMemory)
     observation: ObservationMemory = field(default_factory=ObservationMemory)
     adaptive: AdaptiveMemory = field(default_factory=AdaptiveMemory)
-    recommended: RecommendedMemory = field(default_factory=RecommendedMemory)
+    predictive: PredictiveMemory = field(default_factory=PredictiveMemory)
     own: OwnMemory = field(default_factory=OwnMemory)
 
 
@@ -169,13 +189,12 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
     """The compensation that the parameters describe, for the joint of this body."""
     kind, function = kind_and_address(p.compensation, COMPENSATIONS, OwnCompensation)
     joint = Joint(p.friction, p.observer_gain, p.sample_time)
-    level = float(highest_level(p.friction))
-    acts = kind == RECOMMENDED
-    least = least_bandwidth(body) if acts else 0.0
-    bandwidth = limited(max(p.bandwidth, least), body.dt)
-    late_body = recommended.assumed(body, bandwidth)
-    observed_body = late_body if acts else body
-    observed = design_observation(observed_body, bandwidth, LARGEST_LEVEL * level, level, acts)
+    level, acts = float(highest_level(p.friction)), kind == PREDICTIVE
+    fast = limited(max(p.bandwidth, least_bandwidth(body)), body.dt)
+    bandwidth = fast if acts else limited(p.bandwidth, body.dt)
+    late_body, largest = predictive.assumed(body, fast), LARGEST_LEVEL * level
+    seen = late_body if acts else body
+    observed = design_observation(seen, bandwidth, largest, level, acts)
     return CompensationDesign(
         kind=kind,
         function=function,
@@ -183,7 +202,7 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
         joint=joint,
         observation=observed,
         adaptive=adaptive.design(joint, p.adaptive),
-        recommended=recommended.design(joint, late_body, bandwidth, p.recommended),
+        predictive=predictive.design(joint, late_body, fast, p.predictive),
     )
 
 
@@ -197,9 +216,10 @@ def reset(memory: CompensationMemory) -> None:
 def begin(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> None:
     """Begin in state ``x`` (5,): at first, after a switch or a gap. Learned levels are kept."""
     memory.running = p.kind + 1
-    memory.bristle.z = 0.0
-    observation.begin(memory.observation, x)
-    recommended.begin(memory.recommended, x)
+    friction = balancing_friction(x, p.observation)
+    bristle_observer.begin(memory.bristle, x, friction, p.joint)
+    disturbance_observer.begin(memory.observation, x)
+    predictive.begin(memory.predictive, x, friction, p.joint)
     forget_own(memory.own)
 
 
@@ -214,12 +234,19 @@ def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: Compensation
 
     While the arm's state is unknown (NaN), F̂ is 0 V; then the compensator begins anew.
     """
-    if not continues(memory, x, p):
-        if isnan(x[PHI_DOT] + x[PHI]):
-            reset(memory)
-            return 0.0
-        begin(memory, x, p)
-    return continued_estimate(memory, x, p)
+    return continued_estimate(memory, x, p) if is_ready(memory, x, p) else 0.0
+
+
+@inlined
+def is_ready(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> bool:
+    """Whether the state is known; if so, the compensator begins unless it continues."""
+    if continues(memory, x, p):
+        return True
+    reset(memory)
+    if isnan(x[PHI_DOT] + x[PHI]):
+        return False
+    begin(memory, x, p)
+    return True
 
 
 @inlined
@@ -232,6 +259,18 @@ def continues(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) 
 def continued_estimate(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
     """F̂ [V] of a compensator that continues."""
     return compensate(memory, x, observe_friction(memory, x, p), p)
+
+
+@inlined
+def pass_missing(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> None:
+    """Pass a sample that is missing, with the state ``x`` (5,) after it; F̂ has been held."""
+    if not continues(memory, x, p):
+        return
+    observed = observe_friction(memory, x, p)
+    if p.kind == PREDICTIVE:
+        predictive.estimate(memory.predictive, memory.observation, x, observed, True, p.predictive)
+    else:
+        compensate(memory, x, observed, p)
 
 
 @inlined
@@ -262,9 +301,9 @@ def compensate(  # noqa: PLR0911 (one for each compensator)
         return bristle_observer.estimate(memory.bristle, x, p.joint)
     if p.kind == ADAPTIVE:
         return adaptive.estimate(memory.bristle, memory.adaptive, x, observed, p.adaptive)
-    if p.kind == RECOMMENDED:
-        return recommended.estimate(
-            memory.bristle, memory.recommended, memory.observation, x, observed, p.recommended
+    if p.kind == PREDICTIVE:
+        return predictive.estimate(
+            memory.predictive, memory.observation, x, observed, False, p.predictive
         )
     if p.kind == OWN:
         return own.estimate(memory.own, x, observed, p.function, p.adaptive)

@@ -134,7 +134,7 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
         interval = stamp - self._stamp
         if starts_anew(interval):
             return 0
-        return 1 if self._is_arm else max(round(interval / self._sample_time), 1)
+        return max(round(interval / self._sample_time), 1)
 
     def _is_blind(self) -> bool:
         """Whether the newest state is known, and no friction is observed."""
@@ -220,9 +220,10 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
 def _arm_step(
     memory: np.ndarray, state: Signals, design: np.ndarray, samples: int
 ) -> tuple[float, bool]:
-    """F̂ [V] of the arm, anew if ``samples`` is 0, and whether a vibration has reduced it.
+    """F̂ [V] of the arm, and whether a vibration has reduced it.
 
-    F̂ is NaN, without a step, if a number is impossible.
+    The state is ``samples`` after the last one, or begins anew if that is 0. F̂ is NaN,
+    without a step, if a number is impossible.
     """
     x = np.array(state)
     if not is_possible(x):
@@ -231,6 +232,8 @@ def _arm_step(
         compensation.reset(memory[0])
     vibration = memory[0].observation.vibration
     swings = vibration.swings
+    for _ in range(samples - 1):
+        compensation.pass_missing(memory[0], x, design[0])
     friction = compensation.estimate_friction(memory[0], x, design[0])
     return friction, vibration.swings > swings and is_sustained(vibration)
 

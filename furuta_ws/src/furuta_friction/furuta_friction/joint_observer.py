@@ -19,14 +19,14 @@ from furuta_friction.compensation import (
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
-    begin,
     compensate,
-    continues,
     design_for_body,
+    is_ready,
     observe_friction,
 )
+from furuta_friction.compensation import pass_missing as pass_missing_compensation
 from furuta_friction.compensation import reset as reset_compensation
-from furuta_friction.observation import Body, observe
+from furuta_friction.disturbance_observer import Body
 from furuta_model.block import zeros
 from furuta_model.compiled import compiled, inlined
 from furuta_model.elementary import sin_cos
@@ -36,7 +36,6 @@ from furuta_model.late_drive import (
     acting_torque,
     assume_held,
     design_drive,
-    forget_voltages,
 )
 from furuta_model.parameters import INLINE, SELECTS, About, ParameterError, designed_once
 from furuta_model.sensors import variance
@@ -200,19 +199,8 @@ def reset(memory: JointMemory) -> None:
     """Begin anew with the next sample; levels that have adapted are kept."""
     memory.started = False
     memory.friction = 0.0
-    forget_voltages(memory.drive)
+    assume_held(memory.drive, 0.0)
     reset_compensation(memory.compensation)
-
-
-@inlined
-def predict(memory: JointMemory, p: JointDesign) -> None:
-    """Move the estimate by one sample under the torque that was applied since the one before."""
-    q, v, friction = memory.estimate[0], memory.estimate[1], memory.estimate[2]
-    torque = memory.torque - memory.load
-    for i in range(3):
-        memory.estimate[i] = (
-            p.step[i, 0] * q + p.step[i, 1] * v + p.step[i, 2] * friction + p.step[i, 3] * torque
-        )
 
 
 @inlined
@@ -234,37 +222,31 @@ def joint_friction(
         reference_speed: Speed of the reference [rad/s]; NaN without one.
         p: The design.
     """
-    x = memory.state
+    x, compensation = memory.state, memory.compensation
     x[PHI_DOT], x[APPLIED_TORQUE] = speed, nan
     if p.observes:
-        if not isnan(torque):
-            memory.torque = acting_torque(memory.drive, torque, p.drive)
-        x[APPLIED_TORQUE] = torque
-        _observe(memory, position, p)
+        _move(memory, torque, p)
+        _correct(memory, position, p)
         x[LOAD], x[PHI_DOT] = memory.load, memory.estimate[1]
     else:
         memory.started = False
-    if not continues(memory.compensation, x, p.compensation):
-        begin(memory.compensation, x, p.compensation)
-    observed, own = observe_friction(memory.compensation, x, p.compensation), x[PHI_DOT]
-    if not isnan(reference_speed) and reference_speed != 0.0:
-        square, half = reference_speed * reference_speed, p.model.reference_speed
-        x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
     memory.friction = 0.0
-    if not isnan(x[PHI_DOT]):
-        memory.friction = compensate(memory.compensation, x, observed, p.compensation)
+    if is_ready(compensation, x, p.compensation):
+        observed, own = observe_friction(compensation, x, p.compensation), x[PHI_DOT]
+        if not isnan(reference_speed) and reference_speed != 0.0:
+            square, half = reference_speed * reference_speed, p.model.reference_speed
+            x[PHI_DOT] += square / (square + half * half) * (reference_speed - own)
+        memory.friction = compensate(compensation, x, observed, p.compensation)
     return memory.friction
 
 
 @inlined
-def pass_missing(memory: JointMemory, p: JointDesign) -> None:
-    """Move the observer by one sample that is missing; F̂ is held."""
+def pass_missing(memory: JointMemory, torque: float, p: JointDesign) -> None:
+    """Move the observer by one sample that is missing, under a ``torque`` [N m]; F̂ is held."""
     if p.observes:
-        predict(memory, p)
-        x = memory.state
-        x[PHI_DOT] = memory.estimate[1]
-        if p.compensation.observes:
-            observe(memory.compensation.observation, x, p.compensation.observation)
+        _move(memory, torque, p)
+        memory.state[PHI_DOT] = memory.estimate[1]
+        pass_missing_compensation(memory.compensation, memory.state, p.compensation)
 
 
 @compiled
@@ -277,17 +259,31 @@ def joint_step(memory: np.ndarray, x: JointSample, design: np.ndarray, samples: 
         return np.nan
     if samples == 0:
         reset(memory[0])
-    for _ in range(samples - 1):
-        pass_missing(memory[0], design[0])
     position, speed, effort, reference_speed = x
+    for _ in range(samples - 1):
+        pass_missing(memory[0], effort, design[0])
     return joint_friction(memory[0], position, speed, effort, reference_speed, design[0])
 
 
 @inlined
-def _observe(memory: JointMemory, position: float, p: JointDesign) -> None:
-    """Move the estimate by one sample, to a measured position if there is one."""
-    if memory.started:
-        predict(memory, p)
+def _move(memory: JointMemory, torque: float, p: JointDesign) -> None:
+    """Move the estimate by a sample under the ``torque`` [N m]; NaN if that is not known."""
+    memory.state[APPLIED_TORQUE] = torque
+    if not isnan(torque):
+        memory.torque = acting_torque(memory.drive, torque, p.drive)
+    if not memory.started:
+        return
+    q, v, friction = memory.estimate[0], memory.estimate[1], memory.estimate[2]
+    torque = memory.torque - memory.load
+    for i in range(3):
+        memory.estimate[i] = (
+            p.step[i, 0] * q + p.step[i, 1] * v + p.step[i, 2] * friction + p.step[i, 3] * torque
+        )
+
+
+@inlined
+def _correct(memory: JointMemory, position: float, p: JointDesign) -> None:
+    """Correct the estimate by a measured position, if there is one."""
     if isnan(position):
         return
     starts = not memory.started

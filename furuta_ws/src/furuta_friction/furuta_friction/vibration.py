@@ -52,18 +52,18 @@ class Vibration(NamedTuple):
     growth: float
 
 
-def design(limit: float, dt: float) -> Vibration:
-    """The detector for samples of ``dt`` [s]; vibrations up to ``limit`` are ignored."""
+def design(limit: float, dt: float, frequency: float = LOWEST_FREQUENCY) -> Vibration:
+    """The detector for samples of ``dt`` [s] of vibrations beyond ``limit`` and ``frequency``."""
     return Vibration(
         limit=limit,
-        share=-expm1(-2.0 * pi * LOWEST_FREQUENCY * dt),
-        longest=ceil(0.5 / LOWEST_FREQUENCY / dt),
+        share=-expm1(-2.0 * pi * frequency * dt),
+        longest=ceil(0.5 / frequency / dt),
         growth=1.0 + dt / RECOVERY_TIME,
     )
 
 
 @inlined
-def part_without_vibration(memory: VibrationMemory, value: float, p: Vibration) -> float:
+def allowed_share(memory: VibrationMemory, value: float, p: Vibration) -> float:
     """Include a ``value`` of the signal; the part of its cause that may act."""
     fast = value - memory.slow
     memory.slow += p.share * fast

@@ -107,14 +107,14 @@ def observer_parameters(
     dry = axis.friction._replace(viscous=0.0, sigma0=bristle.sigma0, sigma1=bristle.sigma1)
     if axis.law in ("coulomb", "stiction") or not dry.alpha1:
         dry = dry._replace(stribeck_velocity=usual.friction.stribeck_velocity * units.speed)
-    recommended, adaptive = usual.recommended, usual.adaptive
+    predictive, adaptive = usual.predictive, usual.adaptive
     observer = ObserverParameters(
         compensation=compensation,
         friction=dry,
         observer_gain=0.0,
         adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
         bandwidth=FASTER * usual.bandwidth / t,
-        recommended=recommended._replace(level_rate=recommended.level_rate / t),
+        predictive=predictive._replace(level_rate=predictive.level_rate / t),
         drive=LateDrive(round(delay / sample_time)),
         sample_time=sample_time,
     )

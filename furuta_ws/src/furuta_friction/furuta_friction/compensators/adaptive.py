@@ -9,8 +9,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from furuta_friction.compensator import Joint
-from furuta_friction.compensators.bristle_observer import BristleMemory, observe
+from furuta_friction.compensators.bristle_observer import BristleMemory, Joint, observe
 from furuta_model.compiled import inlined
 from furuta_model.elementary import expm1
 from furuta_model.friction.levels import with_levels

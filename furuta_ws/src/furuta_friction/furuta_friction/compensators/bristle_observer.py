@@ -11,10 +11,10 @@ v = 0 the correction would move ẑ without limit. ẑ is therefore limited like
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from furuta_friction.compensator import Joint
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import (
     deflection_rate,
@@ -25,12 +25,36 @@ from furuta_model.friction.lugre import (
 from furuta_model.friction.parameters import Friction
 from furuta_model.state import PHI, PHI_DOT
 
+# Time for which the arm counts as having moved at its present speed when the observer begins [s].
+MOVED_BEFORE = 0.02
+
+
+class Joint(NamedTuple):
+    """What every compensator is told: friction, gain K [1/s] of (9), sample time [s]."""
+
+    friction: Friction = Friction()
+    observer_gain: float = 0.0
+    sample_time: float = 0.0
+
 
 @dataclass
 class BristleMemory:
     """Deflection ẑ of the bristle [rad]."""
 
     z: float = 0.0
+
+
+@inlined
+def begin(memory: BristleMemory, x: np.ndarray, force: float, p: Joint) -> None:
+    """Begin with a bristle that has had the ``force`` [V], and then moved at the present speed.
+
+    A slow arm is hardly accelerated, so the force is known from the torque. That of a fast one is
+    known from its direction.
+    """
+    v, friction = x[PHI_DOT], p.friction
+    level, highest = stribeck_level(v, friction), highest_level(friction)
+    z = min(max(force - friction.viscous * v, -highest), highest) / friction.sigma0
+    memory.z, _, _ = stretched(v, v, z, MOVED_BEFORE, level, friction)
 
 
 @inlined

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from furuta_friction.compensator import Joint
+from furuta_friction.compensators.bristle_observer import Joint
 from furuta_model.compiled import inlined
 from furuta_model.friction.levels import direction_factor
 from furuta_model.state import PHI_DOT

@@ -8,8 +8,8 @@ from math import isnan
 
 import numpy as np
 
-from furuta_friction.compensator import Joint
 from furuta_friction.compensators import coulomb
+from furuta_friction.compensators.bristle_observer import Joint
 from furuta_model.compiled import inlined
 from furuta_model.friction.levels import direction_factor, static_level
 from furuta_model.state import PHI_DOT

@@ -7,8 +7,16 @@ import pytest
 from scipy import signal
 from scipy.linalg import expm
 
-from furuta_friction.observation import Body, ObservationMemory, design, observe
+from furuta_friction.compensation import (
+    CompensationMemory,
+    ObserverParameters,
+    design_compensator,
+    estimate_friction,
+    pass_missing,
+)
+from furuta_friction.disturbance_observer import Body, ObservationMemory, design, observe
 from furuta_model.block import new_memory
+from furuta_model.friction.parameters import Friction
 from furuta_model.late_drive import LateDrive
 from furuta_model.linear import DesiredPoles, linearize, place_poles
 from furuta_model.pendulum import FurutaPendulum
@@ -75,7 +83,7 @@ def test_what_is_modelled_is_not_observed() -> None:
     x, rest = np.zeros(4), 0.0
     for _ in range(2000):
         u = float(-FEEDBACK @ x) + 0.15 + rest
-        memory["model"] = 0.15
+        memory["modelled_sent"] = 0.15
         rest = observe(memory, np.append(x, u), p)
         x = STEP[:4, :4] @ x + STEP[:4, 4] * (u - 0.2)
     assert rest == pytest.approx(0.05, abs=1e-3)
@@ -108,3 +116,23 @@ def test_a_vibration_reduces_the_bandwidth() -> None:
     assert parts[0] < 0.1
     assert parts[1] > 0.24
     assert parts[2] == 1.0
+
+
+@pytest.mark.parametrize("kind", ["recommended", "stiction"])
+def test_samples_that_are_left_out_are_passed(kind: str) -> None:
+    """F̂ of a constant friction is as good if two of three samples are left out."""
+
+    def error(every: int) -> float:
+        p = design_compensator(ObserverParameters(kind, Friction(stribeck_velocity=100.0)))
+        memory, x, u, errors = new_memory(CompensationMemory)[0], np.zeros(4), 0.0, []
+        for sample in range(0, 3000, every):
+            for _ in range(every - 1 if sample else 0):
+                pass_missing(memory, np.append(x, u), p)
+            estimate = estimate_friction(memory, np.append(x, u), p)
+            u = float(-FEEDBACK @ x) + (0.3 if sample // 150 % 2 else -0.3) + estimate
+            errors.append(estimate - 0.2)
+            for _ in range(every):
+                x = STEP[:4, :4] @ x + STEP[:4, 4] * (u - 0.2)
+        return float(np.sqrt(np.mean(np.square(errors[300:]))))
+
+    assert error(3) < 1.2 * error(1) + 0.02

@@ -20,7 +20,7 @@ import numpy as np
 
 from furuta_friction import applied, vibration
 from furuta_friction.applied import AppliedMemory, contained, too_late
-from furuta_friction.vibration import Vibration, VibrationMemory, part_without_vibration
+from furuta_friction.vibration import Vibration, VibrationMemory, allowed_share
 from furuta_model.compiled import inlined
 from furuta_model.late_drive import (
     DriveMemory,
@@ -35,7 +35,7 @@ from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Gain of the integral relative to the square of the bandwidth; rate of the low-pass filter relative
 # to the bandwidth; most of the bandwidth in a sample.
-INTEGRAL, ROLL_OFF, LARGEST_STEP = 0.7, 3.0, 0.1
+INTEGRAL, ROLL_OFF, LARGEST_STEP = 0.7, 3.0, 0.5
 # Least bandwidth relative to the rate at which the body falls.
 FASTER_THAN_FALL = 4.0
 # Part of the bandwidth at the start of a compensation, so that it does not excite a vibration.
@@ -50,30 +50,27 @@ UPRIGHT = 0.7
 class Body(NamedTuple):
     """What is known of the joint: A (4, 4) and b (4,) of ẋ = Ax + b(τ − F), drive, sample time.
 
-    The model holds while the third state is at most ``range``.
+    The model holds while the third state is at most ``valid_angle``.
     """
 
     a: np.ndarray
     b: np.ndarray
     drive: LateDrive
     dt: float
-    range: float = UPRIGHT
+    valid_angle: float = UPRIGHT
 
 
 class Observation(NamedTuple):
-    """The sampled observer: row of A, b and 1/b of φ̇, bandwidth, limit of the integral [V]."""
+    """The sampled observer: row (4,) of A, b, 1/b of φ̇, bandwidth, limit of the integral [V]."""
 
-    a1: float
-    a2: float
-    a3: float
-    a4: float
+    row: np.ndarray
     b: float
     inertia: float
     dt: float
     bandwidth: float
     share: float
     limit: float
-    range: float
+    valid_angle: float
     first_part: float
     acts: Annotated[bool, SELECTS]
     drive: SampledDrive
@@ -88,11 +85,10 @@ class ObservationMemory:
         started: Whether it has started.
         speed: Speed of the arm if the friction were as observed [rad/s].
         drift: Its acceleration without the torque until the next sample [rad/s²].
-        sliding: s [V s].
+        lost_momentum: s [V s].
         integral: w [V].
         rest: r [V].
-        model: Part of the friction that is modelled, as sent [V]; 0 unless :func:`remember` is
-            told one.
+        modelled_sent: Part of the friction that is modelled, as sent [V]; 0 without one.
         fed_back: The applied torque without F̂, if that acts [V].
         drive: What the drive has been given, without the modelled part of the friction.
         applied: Memory of what F̂ does in the torque.
@@ -102,10 +98,10 @@ class ObservationMemory:
     started: bool = False
     speed: float = 0.0
     drift: float = 0.0
-    sliding: float = 0.0
+    lost_momentum: float = 0.0
     integral: float = 0.0
     rest: float = 0.0
-    model: float = 0.0
+    modelled_sent: float = 0.0
     fed_back: float = 0.0
     drive: DriveMemory = field(default_factory=DriveMemory)
     applied: AppliedMemory = field(default_factory=AppliedMemory)
@@ -119,7 +115,7 @@ def limited(bandwidth: float, dt: float) -> float:
 
 def least_bandwidth(body: Body) -> float:
     """The bandwidth [1/s] below which the body falls within the times that are predicted."""
-    if body.range == inf:
+    if body.valid_angle == inf:
         return 0.0
     return FASTER_THAN_FALL * float(np.max(np.linalg.eigvals(body.a).real))
 
@@ -130,20 +126,16 @@ def design(body: Body, bandwidth: float, limit: float, level: float, acts: bool)
     If what it observes ``acts`` on the body, a vibration beyond what suits the ``level`` of
     friction [V] reduces it.
     """
-    a1, a2, a3, a4 = body.a[PHI_DOT].tolist()
     accepted = max(ACCEPTED_VIBRATION * level, SMALLEST_VIBRATION) if acts else inf
     return Observation(
-        a1=a1,
-        a2=a2,
-        a3=a3,
-        a4=a4,
+        row=body.a[PHI_DOT].copy(),
         b=float(body.b[PHI_DOT]),
         inertia=1.0 / float(body.b[PHI_DOT]) if body.b[PHI_DOT] else 0.0,
         dt=body.dt,
         bandwidth=bandwidth,
         share=-expm1(-ROLL_OFF * bandwidth * body.dt),
         limit=limit,
-        range=body.range,
+        valid_angle=body.valid_angle,
         first_part=FIRST_PART if acts else 1.0,
         acts=acts,
         drive=design_drive(body.drive, body.dt),
@@ -160,8 +152,8 @@ def observe(memory: ObservationMemory, x: np.ndarray, p: Observation) -> float:
     v, voltage = x[PHI_DOT], x[APPLIED_TORQUE]
     if p.acts:
         memory.fed_back = voltage - contained(memory.applied)
-        voltage += too_late(memory.applied) - memory.model
-    known = abs(x[THETA]) <= p.range and not isnan(voltage + x[THETA_DOT])
+        voltage += too_late(memory.applied) - memory.modelled_sent
+    known = abs(x[THETA]) <= p.valid_angle and not isnan(voltage + x[THETA_DOT])
     torque = acting_torque(memory.drive, voltage if known else 0.0, p.drive)
     if not known:
         memory.started = False
@@ -170,30 +162,36 @@ def observe(memory: ObservationMemory, x: np.ndarray, p: Observation) -> float:
         memory.speed += p.dt * (memory.drift + p.b * torque)
     else:
         memory.started, memory.speed = True, v
-        memory.sliding = memory.integral = memory.rest = 0.0
+        memory.lost_momentum = memory.integral = memory.rest = 0.0
         memory.vibration.part = p.first_part
-    memory.sliding += p.share * (p.inertia * (v - memory.speed) - memory.sliding)
-    gained = p.bandwidth * memory.sliding
-    part = part_without_vibration(memory.vibration, gained, p.vibration)
+    memory.lost_momentum += p.share * (p.inertia * (v - memory.speed) - memory.lost_momentum)
+    gained = p.bandwidth * memory.lost_momentum
+    part = allowed_share(memory.vibration, gained, p.vibration)
     w = memory.integral - INTEGRAL * p.dt * p.bandwidth * gained * part * part
     memory.integral = min(max(w, -p.limit), p.limit)
     memory.rest = memory.integral - part * gained
-    free = p.a1 * x[PHI] + p.a2 * v + p.a3 * x[THETA] + p.a4 * x[THETA_DOT]
-    memory.drift = free - p.b * memory.rest
+    memory.drift = _free_acceleration(x, p) - p.b * memory.rest
     return memory.rest
 
 
 @inlined
-def remember(memory: ObservationMemory, model: float, estimate: float) -> None:
-    """Remember the modelled friction and all of F̂ [V] as sent."""
-    memory.model = model
-    applied.remember(memory.applied, estimate)
+def _free_acceleration(x: np.ndarray, p: Observation) -> float:
+    """Acceleration [rad/s²] of the arm without torque and friction."""
+    row = p.row
+    return row[0] * x[PHI] + row[1] * x[PHI_DOT] + row[2] * x[THETA] + row[3] * x[THETA_DOT]
+
+
+@inlined
+def balancing_friction(x: np.ndarray, p: Observation) -> float:
+    """The friction [V] with which the arm is not accelerated; 0 if the torque is not known."""
+    friction = x[APPLIED_TORQUE] + p.inertia * _free_acceleration(x, p)
+    return friction if not isnan(friction) else 0.0
 
 
 @inlined
 def begin(memory: ObservationMemory, x: np.ndarray) -> None:
     """Begin in state ``x``, as if the drive had been given its torque for long."""
-    memory.started, memory.model = False, 0.0
+    memory.started, memory.modelled_sent = False, 0.0
     torque = x[APPLIED_TORQUE]
     assume_held(memory.drive, 0.0 if isnan(torque) else torque)
     applied.begin(memory.applied, torque)
