@@ -205,9 +205,11 @@ def loop_of(settings: Settings) -> Loop:
 
 
 def design_of(loop: Loop) -> Design:
-    """What the page computes with."""
+    """What the page computes with; the plant's drive has a delay, of no samples if there is none."""
+    plant = design_plant(loop.plant)
+    drive = plant.parts.drive._replace(delayed=True)
     return Design(
-        design_plant(loop.plant),
+        plant._replace(parts=plant.parts._replace(drive=drive)),
         design_control_system(loop.estimator, loop.observer, loop.controller),
     )
 

@@ -77,7 +77,7 @@ def translated(groups: list[Group]) -> Page:
         (Path(__file__).parent / "page" / "loop.c").read_text(),
         size=places[PUSHES] + base.numbers[PUSHES].size,
         constants=whole.constants.text(code),
-        structures=f"{structures(whole, PlantMemory)}\n\n{structures(whole, ControlMemory)}",
+        structures=structures(whole, PlantMemory, ControlMemory),
         functions=code,
         initial=initialisation(whole, ControlMemory),
         reset=forget.name,

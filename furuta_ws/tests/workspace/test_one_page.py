@@ -171,7 +171,7 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     assert abs(page.evaluate("page.source.signals[2]")) < 0.01  # it is balanced again
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("ArrowRight")
-    run(page, 0.1)
+    run(page, 0.05)
     assert page.evaluate("page.source.signals[1]") > 0.1
     page.keyboard.press("r")
     assert page.evaluate("[page.source.time, page.source.signals[0]]") == [0, 0]

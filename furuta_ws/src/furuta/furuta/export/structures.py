@@ -13,10 +13,10 @@ from furuta.export.text import comment, summary
 from furuta.export.values import KINDS
 
 
-def structures(whole: Translation, kind: type) -> str:
-    """The definition of the structure of a memory, after those of the memories in it."""
+def structures(whole: Translation, *kinds: type) -> str:
+    """The definitions of the structures of memories, each after those of the memories in it."""
     # The same memory may be in several places.
-    return "\n\n".join(dict.fromkeys(_definitions(whole, kind)))
+    return "\n\n".join(dict.fromkeys(text for kind in kinds for text in _definitions(whole, kind)))
 
 
 def _definitions(whole: Translation, kind: type) -> Iterator[str]:
