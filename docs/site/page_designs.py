@@ -205,7 +205,7 @@ def loop_of(settings: Settings) -> Loop:
 
 
 def design_of(loop: Loop) -> Design:
-    """What the page computes with; the plant's drive has a delay, of no samples if there is none."""
+    """What the page computes with. Its drive has a delay, of 0 samples where there is none."""
     plant = design_plant(loop.plant)
     drive = plant.parts.drive._replace(delayed=True)
     return Design(
