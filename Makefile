@@ -23,7 +23,7 @@ NOBLE_TESTS = $(addprefix furuta_ws/tests/,\
 	furuta_recordings furuta_ros page workspace/test_dependencies.py \
 	$(patsubst %,furuta/test_%.py,axis comparison_scores gym library limit_cycle own_functions proof \
 		study_files tuning whole_files) \
-	$(patsubst %,graph/test_%.py,accepted_parts hostile_input lockstep reset second_publishers) \
+	$(patsubst %,graph/test_%.py,accepted_parts lockstep node_matrix reset second_publishers) \
 	$(patsubst %,processes/test_%.py,analysis_verbs axis_verb bag_verbs command_line compare \
 		missing_packages sweep tune))
 NOBLE_PYTHON = python3.12 $(wildcard $(HOME)/.pyenv/versions/3.12.*/bin/python3) python3.11 python3

@@ -50,6 +50,6 @@ figure.savefig("output/examples/compensations.png", dpi=110)
 
 # prints
 # Fig. 7: Coulomb: 0.028 rad
-# Fig. 8: LuGre: 0.017 rad
-# Fig. 9: LuGre, tuned: 0.014 rad
+# Fig. 8: LuGre: 0.020 rad
+# Fig. 9: LuGre, tuned: 0.013 rad
 # one count of the encoder: 0.025 rad

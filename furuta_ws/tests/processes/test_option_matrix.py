@@ -212,6 +212,7 @@ def call(folder: Path, *arguments: str) -> tuple[int, str, str, dict[str, bytes]
     return status, re.sub(r"(wall_seconds\W+)[\d.e-]+", r"\g<1>0", result.stdout), why, written
 
 
+pytestmark = pytest.mark.usefixtures("no_parts")
 LASTING = [pytest.mark.long, pytest.mark.timeout(1800)]
 CALLS = [
     pytest.param(name, base, marks=LASTING if bases is LONG else [])

@@ -6,15 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 
 def plain(value: Any) -> Any:
     """The value without numpy and named tuples; a complex number as real and imaginary part.
 
     None is what JSON does not have: NaN and infinity.
     """
-    if isinstance(value, np.ndarray | np.generic):
+    if hasattr(value, "tolist"):  # of numpy, which help does not load
         value = value.tolist()
     if hasattr(value, "_asdict"):
         value = value._asdict()
