@@ -133,13 +133,14 @@ def test_no_gain_is_an_answer() -> None:
         assert not any(as_it_was.parameters.values())
 
 
-def test_no_compensation_is_found() -> None:
-    """Where the recommended one swings behind a late drive, and there is no friction."""
-    true = loop_with("plant.drive.delay=10", "plant.drive.lag=0.015", *NO_FRICTION, RECOMMENDED)
+def test_no_compensation_is_tried() -> None:
+    """Where the swing is large with the recommended one; it is kept only if it is better."""
+    true = loop_with("plant.drive.delay=30", *NO_FRICTION, RECOMMENDED)
     result = tune_simulated(true, TuningPlan(), silent)
+    tried = {trial.name: trial.swing for trial in result.trials}
     assert result.before.swing > 2.0 * ENCODER_COUNT
-    assert result.after.name == "none"
-    assert swing(true, result) < 0.3 * ENCODER_COUNT
+    assert "none" in tried
+    assert result.after.swing <= tried["none"]
 
 
 def test_what_a_late_drive_needs_is_found() -> None:

@@ -5,8 +5,8 @@ observed, and the lag that is known of the drive. The level of the friction it l
 swing is the arm's estimated angle, peak to peak, which a real rig provides too.
 
 1. The motion is measured as it is, then with the recommended setting.
-2. While the swing is too large, other bandwidths are tried, then other lags with the best one. If
-   it is still large, it is measured without compensation too.
+2. While the swing is too large, other bandwidths are tried, then other lags with the best one.
+   Before the lags, a swing that is large is measured without compensation too.
 3. A trial counts as small enough, by default a count of the encoder, only after a longer
    measurement. Otherwise the best one is measured once more. If the motion as it was is not worse,
    nothing changes.
@@ -184,16 +184,16 @@ class Tuner:
         return Trial(RECOMMENDED, scale, lag, changed)
 
     def _search(self) -> None:
-        """Try other bandwidths, other lags, then none, until the swing is small enough."""
+        """Try other bandwidths, then none, then other lags, until the swing is small enough."""
         for scale in SCALES:
             self._try_new(scale, self._best(RECOMMENDED).lag)
-        for lag in LAGS:
-            self._try_new(self._best(RECOMMENDED).scale, lag)
         tried = any(trial.name == NONE for trial in self._trials)
         if self._best().swing > LARGE * self._count and not tried and self._has_time(LONGEST):
             observer = self._start.observer._replace(compensation=NONE)
             none = self._start._replace(observer=observer)
             self._try(self._as_it_is._replace(name=NONE, compensation=none))
+        for lag in LAGS:
+            self._try_new(self._best(RECOMMENDED).scale, lag)
 
     def _try_new(self, scale: float, lag: float) -> None:
         """Try a setting, unless that is not needed, known, or too late."""
