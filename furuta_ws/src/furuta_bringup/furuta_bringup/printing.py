@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import codecs
 import json
-import math
 import sys
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator
@@ -13,6 +12,7 @@ from io import TextIOWrapper
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from furuta.results.plain import plain
 from furuta.results.text import escaped, values_text
 
 if TYPE_CHECKING:
@@ -104,18 +104,7 @@ def print_text(text: str) -> None:
 
 def print_json(result: dict[str, Any]) -> None:
     """Print one JSON object on standard output; NaN becomes null."""
-    print(json.dumps(finite(result)))
-
-
-def finite(value: Any) -> Any:
-    """The value with null instead of NaN and infinity, which JSON does not have."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [finite(item) for item in value]
-    return value
+    print(json.dumps(plain(result)))
 
 
 def bar(title: str, quiet: bool = False) -> Progress:
