@@ -176,7 +176,7 @@ class Rig:
             (self.budget, self.to_rig, self.to_host, self.newest, self.unanswered),
             (self.host_lives, self.line_lives, self.since_armed, self.silent),
             tuple(value for name, value in vars(self.firmware).items() if name != "_reader"),
-            (tuple(guard.values()), self.host._reported_stops),
+            (tuple(guard.values()), self.host._was_armed),
         )
 
 
