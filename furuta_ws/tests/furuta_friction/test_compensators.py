@@ -13,13 +13,15 @@ from furuta_friction.compensation import (
     CompensationDesign,
     CompensationMemory,
     ObserverParameters,
+    begin,
     beyond_adaptation,
     compensate,
     design_compensator,
     estimate_friction,
 )
 from furuta_friction.compensators.adaptive import AdaptiveParameters
-from furuta_friction.compensators.predictive import LARGEST_ESTIMATE, PredictiveParameters
+from furuta_friction.compensators.predictive import LARGEST_ESTIMATE
+from furuta_friction.learned_friction import LearningParameters
 from furuta_model.block import new_memory
 from furuta_model.friction.parameters import Friction
 
@@ -75,8 +77,8 @@ def test_bounded_for_any_motion(kind: str) -> None:
             v, estimate = x[0], estimate_friction(memory, signals(*x), observer)
             fastest = inverted * np.max(np.abs(speeds)) if kind == "recommended" else abs(v)
             assert abs(estimate) <= bound + lugre.viscous * fastest
-            for bristle in (memory["bristle"], memory["predictive"]["bristle"]):
-                assert abs(lugre.sigma0 * bristle["z"]) <= bound
+            assert abs(lugre.sigma0 * memory["bristle"]["z"]) <= bound
+            assert abs(memory["predictive"]["bristle"]) <= 1 + 1e-9
 
 
 def test_converges_to_the_true_bristle() -> None:
@@ -118,7 +120,7 @@ def test_a_switch_begins_as_at_first(kind: str) -> None:
     """After another compensator, or a state that is not known, F̂ is that of a new one."""
     rng = np.random.default_rng(15)
     # No level is learned, as that is kept.
-    still = {"predictive": PredictiveParameters(0.0), "adaptive": AdaptiveParameters(0.0)}
+    still = {"learning": LearningParameters(0.0, 0.0), "adaptive": AdaptiveParameters(0.0)}
     by_kind = compensators(**still)
     used, new, begun = empty(), empty(), rng.normal(0, 0.1, (100, 5))
     for x in begun:
@@ -180,6 +182,7 @@ def test_adaptation_needs_motion_and_observed_friction() -> None:
 def test_the_rest_is_compensated_beside_the_model(observed: float, expected: float) -> None:
     """At rest F̂ is what is observed, limited to twenty levels."""
     compensator, memory, estimate = compensators()["recommended"], empty(), 0.0
+    begin(memory, signals(0.0), compensator)
     for _ in range(5000):
         # The drive has been given F̂ alone, so no motion is predicted.
         estimate = compensate(memory, signals(0.0, torque=estimate), observed, compensator)
@@ -192,9 +195,10 @@ def test_the_level_is_learned_while_the_arm_slides_one_way() -> None:
 
     def level(observed: float, speeds: np.ndarray) -> float:
         memory = empty()
+        begin(memory, signals(speeds[0]), compensator)
         for v in speeds:
             compensate(memory, signals(v, torque=0.0), np.sign(v) * observed, compensator)
-        return float(memory["predictive"]["level"])
+        return float(memory["predictive"]["learned"]["level"])
 
     slide, rest = np.full(500, 0.5), np.zeros(500)
     vibration = 0.5 * np.sign(np.sin(2 * np.pi * 25.0 * DT * (np.arange(500) + 0.5)))

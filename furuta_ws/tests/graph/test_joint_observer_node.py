@@ -9,7 +9,7 @@ from counting import count_handled
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_friction.compensators.predictive import LARGEST_LEVEL
+from furuta_friction.learned_friction import LARGEST_LEVEL
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_friction.joint_observer import JointMemory, design_joint, joint_step
 from furuta_model.accepted_parts import accept_parts
@@ -167,7 +167,7 @@ def test_the_limits_of_recommended_are_named(bench: Bench) -> None:
     node.set_parameters([Parameter("alpha0", value=0.2)])
     node._check()
     assert node.problem() == ""
-    node._memory["predictive"]["level"] = LARGEST_LEVEL
+    node._memory["predictive"]["learned"]["level"] = LARGEST_LEVEL
     node._check()
     assert "its level is at its limit, 4 times" in node.problem()
 

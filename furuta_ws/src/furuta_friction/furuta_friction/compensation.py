@@ -24,12 +24,7 @@ from furuta_friction.compensators import (
 from furuta_friction.compensators.adaptive import Adaptive, AdaptiveMemory, AdaptiveParameters
 from furuta_friction.compensators.bristle_observer import BristleMemory, Joint
 from furuta_friction.compensators.own import OwnCompensation
-from furuta_friction.compensators.predictive import (
-    LARGEST_LEVEL,
-    Predictive,
-    PredictiveMemory,
-    PredictiveParameters,
-)
+from furuta_friction.compensators.predictive import Predictive, PredictiveMemory
 from furuta_friction.disturbance_observer import (
     FASTER_THAN_FALL,
     LARGEST_STEP,
@@ -42,6 +37,7 @@ from furuta_friction.disturbance_observer import (
     observe,
 )
 from furuta_friction.disturbance_observer import design as design_observation
+from furuta_friction.learned_friction import LARGEST_LEVEL, LearningParameters
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
@@ -120,7 +116,7 @@ class ObserverParameters(NamedTuple):
         ),
     ] = 50.0
     adaptive: Annotated[AdaptiveParameters, INLINE] = AdaptiveParameters()
-    predictive: Annotated[PredictiveParameters, INLINE] = PredictiveParameters()
+    learning: Annotated[LearningParameters, INLINE] = LearningParameters()
     model: FurutaPendulum = FurutaPendulum()
     model_viscous: Annotated[
         float,
@@ -202,7 +198,7 @@ def design_for_body(p: ObserverParameters, body: Body) -> CompensationDesign:
         joint=joint,
         observation=observed,
         adaptive=adaptive.design(joint, p.adaptive),
-        predictive=predictive.design(joint, late_body, fast, p.predictive),
+        predictive=predictive.design(p.friction, late_body, fast, observed, p.learning),
     )
 
 
@@ -219,7 +215,7 @@ def begin(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> N
     friction = balancing_friction(x, p.observation)
     bristle_observer.begin(memory.bristle, x, friction, p.joint)
     disturbance_observer.begin(memory.observation, x)
-    predictive.begin(memory.predictive, x, friction, p.joint)
+    predictive.begin(memory.predictive, x, friction, p.predictive)
     forget_own(memory.own)
 
 
@@ -268,7 +264,9 @@ def pass_missing(memory: CompensationMemory, x: np.ndarray, p: CompensationDesig
         return
     observed = observe_friction(memory, x, p)
     if p.kind == PREDICTIVE:
-        predictive.estimate(memory.predictive, memory.observation, x, observed, True, p.predictive)
+        predictive.estimate(
+            memory.predictive, memory.observation, x, observed, True, p.predictive, p.observation
+        )
     else:
         compensate(memory, x, observed, p)
 
@@ -303,7 +301,7 @@ def compensate(  # noqa: PLR0911 (one for each compensator)
         return adaptive.estimate(memory.bristle, memory.adaptive, x, observed, p.adaptive)
     if p.kind == PREDICTIVE:
         return predictive.estimate(
-            memory.predictive, memory.observation, x, observed, False, p.predictive
+            memory.predictive, memory.observation, x, observed, False, p.predictive, p.observation
         )
     if p.kind == OWN:
         return own.estimate(memory.own, x, observed, p.function, p.adaptive)

@@ -188,6 +188,35 @@ def balancing_friction(x: np.ndarray, p: Observation) -> float:
     return friction if not isnan(friction) else 0.0
 
 
+@dataclass
+class ResponseMemory:
+    """A known friction as it would be observed: the integral of what is not [V s], s and w."""
+
+    unobserved: float = 0.0
+    lost_momentum: float = 0.0
+    integral: float = 0.0
+
+
+@inlined
+def respond(memory: ResponseMemory, known: float, part: float, p: Observation) -> float:
+    """What would be observed now [V] of a friction that has been ``known`` [V] for a sample.
+
+    It is observed with a ``part`` of the bandwidth.
+    """
+    k = part * p.bandwidth
+    observed = memory.integral + k * memory.lost_momentum
+    memory.unobserved += p.dt * (known - observed)
+    memory.lost_momentum += p.share * (memory.unobserved - memory.lost_momentum)
+    memory.integral += INTEGRAL * p.dt * k * k * memory.lost_momentum
+    return memory.integral + k * memory.lost_momentum
+
+
+@inlined
+def forget_response(memory: ResponseMemory) -> None:
+    """Begin anew, with a friction that was 0 V."""
+    memory.unobserved = memory.lost_momentum = memory.integral = 0.0
+
+
 @inlined
 def begin(memory: ObservationMemory, x: np.ndarray) -> None:
     """Begin in state ``x``, as if the drive had been given its torque for long."""

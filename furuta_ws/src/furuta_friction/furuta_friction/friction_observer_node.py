@@ -10,7 +10,6 @@ from rclpy.parameter import Parameter
 
 from furuta_friction import compensation, joint_observer
 from furuta_friction.compensation import CompensationMemory
-from furuta_friction.compensators.predictive import LARGEST_LEVEL
 from furuta_friction.joint_observer import (
     ARM,
     NO_SAMPLE,
@@ -19,6 +18,7 @@ from furuta_friction.joint_observer import (
     ObserverNodeParameters,
     joint_step,
 )
+from furuta_friction.learned_friction import LARGEST_LEVEL
 from furuta_friction.vibration import is_sustained
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled, for_types_of
@@ -187,7 +187,7 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
             return ""
         if p.friction.alpha0 + p.friction.alpha1 == 0.0:
             return "compensation recommended: alpha0 and alpha1 are 0, so it only observes friction"
-        if self._of_compensation["predictive"]["level"][0] >= LARGEST_LEVEL:
+        if self._of_compensation["predictive"]["learned"]["level"][0] >= LARGEST_LEVEL:
             return (
                 f"compensation recommended: its level is at its limit, {LARGEST_LEVEL:g} times "
                 "alpha0 and alpha1; the friction is larger than that"

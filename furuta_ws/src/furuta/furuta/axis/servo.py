@@ -23,6 +23,7 @@ from furuta_friction.joint_observer import (
     design_joint,
     joint_friction,
 )
+from furuta_friction.learned_friction import LearningParameters
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
@@ -107,14 +108,14 @@ def observer_parameters(
     dry = axis.friction._replace(viscous=0.0, sigma0=bristle.sigma0, sigma1=bristle.sigma1)
     if axis.law in ("coulomb", "stiction") or not dry.alpha1:
         dry = dry._replace(stribeck_velocity=usual.friction.stribeck_velocity * units.speed)
-    predictive, adaptive = usual.predictive, usual.adaptive
+    learning, adaptive = usual.learning, usual.adaptive
     observer = ObserverParameters(
         compensation=compensation,
         friction=dry,
         observer_gain=0.0,
         adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
         bandwidth=FASTER * usual.bandwidth / t,
-        predictive=predictive._replace(level_rate=predictive.level_rate / t),
+        learning=LearningParameters(*(rate / t for rate in learning)),
         drive=LateDrive(round(delay / sample_time)),
         sample_time=sample_time,
     )
