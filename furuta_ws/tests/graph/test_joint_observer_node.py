@@ -9,9 +9,9 @@ from counting import count_handled
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
-from furuta_friction.learned_friction import LARGEST_LEVEL
 from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_friction.joint_observer import JointMemory, design_joint, joint_step
+from furuta_friction.learned_friction import LARGEST_LEVEL
 from furuta_model.accepted_parts import accept_parts
 from furuta_model.block import block, new_memory
 from furuta_ros.node import BEST_EFFORT

@@ -14,6 +14,8 @@ from furuta_model.parameters import values
 from furuta_model.state import PHI
 
 NONE, RECOMMENDED, AS_IT_IS = "none", "recommended", "as it is"
+# A presliding that is learned and not kept.
+LEARNED = 0.0
 LEFT = "left the guard"
 
 
@@ -36,13 +38,14 @@ class Compensation(NamedTuple):
 class Trial(NamedTuple):
     """A compensation, and the arm's swing [rad]; infinite outside the guard.
 
-    ``scale`` is that of the bandwidth, ``lag`` [s] what is known of the drive. A trial that is
-    ``given_up`` swung more than that.
+    ``scale`` is that of the bandwidth, ``lag`` [s] what is known of the drive, ``presliding`` [rad]
+    is kept or :data:`LEARNED`. A trial that is ``given_up`` swung more than that.
     """
 
     name: str
     scale: float
     lag: float
+    presliding: float
     compensation: Compensation
     swing: float = inf
     given_up: bool = False
@@ -52,7 +55,8 @@ class Trial(NamedTuple):
         """What is tried."""
         if self.name in (NONE, AS_IT_IS):
             return self.name
-        return f"{self.name}, bandwidth × {self.scale:.3g}, lag {1e3 * self.lag:.3g} ms"
+        kept = f", presliding {1e3 * self.presliding:.3g} mrad" if self.presliding else ""
+        return f"{self.name}, bandwidth × {self.scale:.3g}, lag {1e3 * self.lag:.3g} ms{kept}"
 
     @property
     def remark(self) -> str:

@@ -1,12 +1,13 @@
 """Tuning of the compensation by the arm's swing, on a pendulum in motion, simulated or real.
 
 The recommended setting is tried with one change at a time: the bandwidth with which friction is
-observed, and the lag that is known of the drive. The level of the friction it learns by itself. The
-swing is the arm's estimated angle, peak to peak, which a real rig provides too.
+observed, the lag that is known of the drive, and a presliding that is kept instead of learned. The
+level of the friction it learns by itself. The swing is the arm's estimated angle, peak to peak,
+which a real rig provides too.
 
 1. The motion is measured as it is, then with the recommended setting.
-2. While the swing is too large, other bandwidths are tried, then other lags with the best one.
-   Before the lags, a swing that is large is measured without compensation too.
+2. While the swing is too large, other settings are tried, each with one change to the best.
+   A swing that stays large is measured without compensation too.
 3. A trial counts as small enough, by default a count of the encoder, only after a longer
    measurement. Otherwise the best one is measured once more. If the motion as it was is not worse,
    nothing changes.
@@ -18,13 +19,14 @@ the best one so far, the best setting is restored and the search goes on.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import inf
+from math import inf, sqrt
 from typing import Protocol
 
 import numpy as np
 
 from furuta.studies.trials import (
     AS_IT_IS,
+    LEARNED,
     NONE,
     RECOMMENDED,
     Compensation,
@@ -43,8 +45,10 @@ from furuta.studies.tuning_plan import (
     STARTING,
     TuningPlan,
 )
-from furuta_friction.compensation import ObserverParameters
+from furuta_friction.compensation import ObserverParameters, design_compensator
 from furuta_friction.disturbance_observer import limited
+from furuta_friction.learned_friction import LearningParameters
+from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import ParameterError
 from furuta_model.state import THETA
 from furuta_sim.simulation.closed_loop import Loop, Simulation
@@ -56,10 +60,10 @@ ProgressCallback = Callable[[str, float], None]
 USUAL = ObserverParameters().bandwidth
 # One count without quantisation [rad].
 SMALLEST_COUNT = 1e-3
-# Lags of the drive that are tried [s]; relative difference of two lags or scales.
-LAGS, DIFFERENT = (0.006, 0.012, 0.025), 0.2
-# Scales of the bandwidth that are tried.
-SCALES = 0.7, 1.4, 2.0, 0.5
+# Relative difference of two lags or scales.
+DIFFERENT = 0.2
+# Scales of the bandwidth that are tried at first and later; lags of the drive [s].
+SMALLER, LARGER, LAGS = 0.7, (1.4, 2.0), (0.006, 0.012, 0.025)
 # Swing, relative to the best one, below which a trial is better, and from which it is given up.
 BETTER, GROWN = 0.9, 1.3
 # Swing in counts of the encoder from which no compensation may be better.
@@ -141,7 +145,7 @@ class Tuner:
         """Find the compensation with the least swing, and apply it."""
         self._advance(STARTING)
         before = self._try(self._as_it_is)
-        self._try_new(1.0, before.lag)
+        self._try_new(1.0, before.lag, LEARNED)
         if self._best().swing == inf:
             raise self._left_guard("every trial")
         self._search()
@@ -157,7 +161,7 @@ class Tuner:
                 self._trials = []
                 self._try(best._replace(swing=inf))
                 self._plan = plan._replace(seconds=self._elapsed + plan.seconds)
-                self._try_new(1.0, best.lag)
+                self._try_new(1.0, best.lag, LEARNED)
                 self._search()
                 best = self._confirmed()
             result.trials.extend(self._trials)
@@ -169,44 +173,77 @@ class Tuner:
         observer = self._start.observer
         known = observer.compensation in (NONE, RECOMMENDED)
         name = observer.compensation if known else AS_IT_IS
-        return Trial(name, observer.bandwidth / USUAL, observer.drive.lag, self._start)
+        kept = name == RECOMMENDED and observer.learning.presliding_rate == 0.0
+        presliding = float(highest_level(observer.friction)) / observer.friction.sigma0
+        scale = observer.bandwidth / USUAL
+        return Trial(name, scale, observer.drive.lag, presliding if kept else LEARNED, self._start)
 
-    def _recommended(self, scale: float, lag: float) -> Trial:
-        """The recommended setting with another bandwidth, for another lag."""
+    def _recommended(self, scale: float, lag: float, presliding: float = LEARNED) -> Trial:
+        """The recommended setting with another bandwidth, for another lag, with a presliding."""
         estimator, observer, controller = self._start
-        drive = observer.drive._replace(lag=lag)
-        balance = controller.balance._replace(strength=1.0)
+        drive, learning, friction = (
+            observer.drive._replace(lag=lag),
+            observer.learning,
+            observer.friction,
+        )
+        if presliding != LEARNED:
+            friction = friction._replace(sigma0=float(highest_level(friction)) / presliding)
+            learning = learning._replace(presliding_rate=0.0)
+        elif not learning.presliding_rate:
+            learning = learning._replace(presliding_rate=LearningParameters().presliding_rate)
         changed = Compensation(
             estimator._replace(drive=drive),
-            observer._replace(compensation=RECOMMENDED, bandwidth=scale * USUAL, drive=drive),
-            controller._replace(balance=balance),
+            observer._replace(
+                compensation=RECOMMENDED,
+                bandwidth=scale * USUAL,
+                drive=drive,
+                friction=friction,
+                learning=learning,
+            ),
+            controller._replace(balance=controller.balance._replace(strength=1.0)),
         )
-        return Trial(RECOMMENDED, scale, lag, changed)
+        return Trial(RECOMMENDED, scale, lag, presliding, changed)
 
     def _search(self) -> None:
-        """Try other bandwidths, then none, then other lags, until the swing is small enough."""
-        for scale in SCALES:
-            self._try_new(scale, self._best(RECOMMENDED).lag)
+        """Try other settings, with one change at a time, until the swing is small enough."""
+        self._change(scale=SMALLER)
+        self._try_none()
+        learning = design_compensator(self._start.observer).predictive.learning
+        middle = sqrt(learning.smallest * learning.largest)
+        for presliding in (middle, learning.smallest, learning.largest):
+            self._change(scale=SMALLER, presliding=presliding)
+        for scale in LARGER:
+            self._change(scale=scale)
+        for lag in LAGS:
+            self._change(lag=lag)
+
+    def _change(self, **change: float) -> None:
+        """Try the best recommended setting with a change."""
+        best = self._best(RECOMMENDED)
+        setting = {"scale": best.scale, "lag": best.lag, "presliding": best.presliding}
+        self._try_new(**(setting | change))
+
+    def _try_none(self) -> None:
+        """Try no compensation, if the swing is large and that is not known."""
         tried = any(trial.name == NONE for trial in self._trials)
         if self._best().swing > LARGE * self._count and not tried and self._has_time(LONGEST):
             observer = self._start.observer._replace(compensation=NONE)
             none = self._start._replace(observer=observer)
             self._try(self._as_it_is._replace(name=NONE, compensation=none))
-        for lag in LAGS:
-            self._try_new(self._best(RECOMMENDED).scale, lag)
 
-    def _try_new(self, scale: float, lag: float) -> None:
+    def _try_new(self, scale: float, lag: float, presliding: float) -> None:
         """Try a setting, unless that is not needed, known, or too late."""
         bandwidth = self._acting(scale)
         known = any(
             abs(self._acting(trial.scale) / bandwidth - 1.0) < DIFFERENT
             and abs(trial.lag - lag) <= DIFFERENT * lag
+            and trial.presliding == presliding
             for trial in self._trials
             if trial.name == RECOMMENDED
         )
         needed = self._best().swing > self._enough
         if needed and not known and self._has_time(LONGEST):
-            self._try(self._recommended(scale, lag))
+            self._try(self._recommended(scale, lag, presliding))
 
     def _acting(self, scale: float) -> float:
         """The bandwidth [1/s] of a scale that acts with this sample time."""
