@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from exported_loop import (
 
 import furuta
 from furuta.export.functions import Translation
+from furuta.export.structures import structures
 from furuta.export.values import DOUBLE, FLOAT, REAL, ExportError, Known, Number
 from furuta_hw.emulator.firmware_compiler import run_compiler
 from furuta_model.friction.parameters import Friction
@@ -212,6 +214,38 @@ def test_a_branch_gives_no_other_meaning() -> None:
     known = {"x": Number(REAL, "x"), "p": Known(Friction(), "p")}
     with pytest.raises(ExportError, match="p is no number, and means something else in a branch"):
         Translation(DOUBLE, "").function(with_another_meaning, known)
+
+
+def with_a_word_inside(x: float) -> float:
+    short = x * x
+    return short * short
+
+
+def with_a_word_given(register: float) -> float:
+    return 2.0 * register
+
+
+@dataclass
+class MemoryWithAWord:
+    """A memory."""
+
+    long: float = 0.0
+
+
+@pytest.mark.parametrize(
+    ("function", "argument", "word"),
+    [(with_a_word_inside, "x", "short"), (with_a_word_given, "register", "register")],
+)
+def test_words_of_c_are_no_names(function: Any, argument: str, word: str) -> None:
+    with pytest.raises(ExportError, match=f"{word} is a word of C; rename it"):
+        Translation(DOUBLE, "").function(function, {argument: Number(REAL, argument)})
+
+
+def test_words_of_c_are_no_fields() -> None:
+    whole = Translation(DOUBLE, "")
+    whole.used_fields.add((MemoryWithAWord, "long"))
+    with pytest.raises(ExportError, match="long is a word of C; rename it"):
+        structures(whole, MemoryWithAWord)
 
 
 def test_errors_name_line_and_reason() -> None:

@@ -172,6 +172,27 @@ def test_the_limits_of_recommended_are_named(bench: Bench) -> None:
     assert "its level is at its limit, 4 times" in node.problem()
 
 
+@pytest.mark.parametrize("joint", ["arm", "elbow_joint"])
+def test_what_is_learned_is_in_the_status(bench: Bench, joint: str) -> None:
+    """In units of the parameters, with the limits named; nothing before it runs."""
+    given = {"compensation": "recommended", "joint": joint, "axis.inertia": 0.3, "sigma0": 1e3}
+    given |= {"alpha0": 0.2, "alpha1": 0.05, "sample_time": 0.002}
+    node = bench.add(FrictionObserverNode([Parameter(n, value=v) for n, v in given.items()]))
+    bench.collect(FRICTION_ESTIMATE)
+    assert "learned level" not in node.statistics()
+    publisher = bench.publisher(JOINT_STATES)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    at_rest = {"elbow_joint": (0.0, 0.0, 0.0)}
+    message = joint_state((0.0,) * 4, PERIOD) if joint == "arm" else state(PERIOD, **at_rest)
+    send(bench, publisher, message, 1)
+    learned = node.statistics()
+    assert learned["learned level"] == "0.25"
+    bandwidth, inverse_inertia = 50.0, 45.0 if joint == "arm" else 1.0 / 0.3
+    smallest = 0.25 * inverse_inertia / (4.0 * bandwidth) ** 2
+    starts = f"{smallest:.4g} (its smallest)" if smallest > 0.25e-3 else "0.00025"
+    assert learned["learned presliding"] == starts
+
+
 def test_a_wrong_sample_time_is_named(bench: Bench, node: Any, capfd: Any) -> None:
     """States that come every 8 ms do not suit a sample time of 2 ms."""
     publisher = bench.publisher(JOINT_STATES)

@@ -224,6 +224,22 @@ def beyond_adaptation(memory: np.ndarray, p: ObserverParameters) -> bool:
     return p.compensation == "adaptive" and adaptive.at_limit(memory["adaptive"][0])
 
 
+def learned(memory: np.ndarray, design: np.ndarray) -> dict[str, str]:
+    """What ``recommended`` knows of the friction; memory and design are blocks.
+
+    Level [V] and presliding [rad], which is named at its limits; nothing if another one runs.
+    """
+    if memory["running"][0] != PREDICTIVE + 1:
+        return {}
+    found, learning = memory["predictive"]["learned"][0], design["predictive"]["learning"][0]
+    x_s = found["presliding"]
+    limits = {learning["smallest"]: " (its smallest)", learning["largest"]: " (its largest)"}
+    return {
+        "learned level": f"{found['level'] * learning['highest']:.4g}",
+        "learned presliding": f"{x_s:.4g}{limits.get(x_s, '')}",
+    }
+
+
 @inlined
 def estimate_friction(memory: CompensationMemory, x: np.ndarray, p: CompensationDesign) -> float:
     """F̂ [V] for the state estimate ``x`` (5,) with the applied torque; ``memory`` is updated.

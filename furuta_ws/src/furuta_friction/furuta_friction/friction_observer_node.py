@@ -163,6 +163,11 @@ class FrictionObserverNode(FurutaNode[ObserverNodeParameters]):
         """Why the compensation cannot do what is asked of it."""
         return self._reduction() or "; ".join(self._problems)
 
+    def statistics(self) -> dict[str, object]:
+        """Also what the recommended compensation has learned, in units of the parameters."""
+        design = self._observer if self._is_arm else self._observer["compensation"]
+        return super().statistics() | compensation.learned(self._of_compensation, design)
+
     def _check(self) -> None:
         """Warn if the compensation cannot do what is asked of it."""
         found = (self._missing_input(), self._limit(), self._missing_joint(), self._wrong_rate())

@@ -32,6 +32,7 @@ from furuta.export.values import (
     inner,
     leaves,
     rebuilt,
+    usable,
 )
 
 INDENT = "    "
@@ -145,7 +146,7 @@ class _Function(Expressions):
             inside = value._replace(text=name)
         elif isinstance(value, Memory):
             inside = Memory(value.kind, name, f"{name}->")
-        self.parameters[name] = inside
+        self.parameters[usable(name)] = inside
         return inside
 
     def call(self, function: Any, arguments: list[Value], named: dict[str, Value]) -> Any:
@@ -282,7 +283,7 @@ class _Function(Expressions):
         value = self.operations.real(value) if kind == REAL else value
         if kind != value.kind:
             raise ExportError(f"{name} has values of several kinds")
-        declaration = f"{self.whole.precision.type_of(kind)} {name}"
+        declaration = f"{self.whole.precision.type_of(kind)} {usable(name)}"
         if name in self.names:
             self._emit(f"{name} = {value.text};")
         elif self._is_local(name, block):

@@ -10,7 +10,7 @@ import numpy as np
 
 from furuta.export.functions import Translation
 from furuta.export.text import comment, summary
-from furuta.export.values import KINDS
+from furuta.export.values import KINDS, usable
 
 
 def structures(whole: Translation, *kinds: type) -> str:
@@ -50,7 +50,7 @@ def _used(whole: Translation, kind: Any) -> Iterator[tuple[str, Any, Any]]:
     hints, initial = get_type_hints(kind), kind()
     for field in fields(kind):
         if (kind, field.name) in whole.used_fields:
-            yield field.name, hints[field.name], getattr(initial, field.name)
+            yield usable(field.name), hints[field.name], getattr(initial, field.name)
 
 
 def _is_memory(kind: type) -> bool:

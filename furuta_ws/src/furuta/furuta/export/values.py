@@ -62,6 +62,12 @@ def _float_constants() -> dict[str, float]:
     return {"FRACTION_BITS": 23, "BIAS": 127, "ROUND": 1.5 * 2.0**23, **split, **rests, **limits}
 
 
+# Words of C that can be names in Python.
+C_WORDS = frozenset(
+    "auto bool case char const default do double enum extern float goto inline int long register "
+    "restrict short signed sizeof static struct switch typedef union unsigned void volatile".split()
+)
+
 DOUBLE = Precision("double", "", "uint64_t", {})
 FLOAT = Precision("float", "f", "uint32_t", _float_constants())
 
@@ -72,6 +78,13 @@ class ExportError(ParameterError):
     def __init__(self, message: str, located: bool = False) -> None:
         super().__init__(message)
         self.located = located
+
+
+def usable(name: str) -> str:
+    """The name, unless C has another meaning for it."""
+    if name in C_WORDS:
+        raise ExportError(f"{name} is a word of C; rename it")
+    return name
 
 
 class Number(NamedTuple):
