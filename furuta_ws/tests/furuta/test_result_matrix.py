@@ -6,10 +6,11 @@ import json
 import pickle
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Container, Iterable
 from functools import cache, partial
 from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -82,6 +83,11 @@ def loop_of(name: str) -> tuple[Any, float]:
     return furuta.make_loop(values), seconds
 
 
+def chosen(names: Iterable[str], quick: Container[str]) -> list[Any]:
+    """Parameters of a test; those that are not quick are long."""
+    return [pytest.param(name, marks=() if name in quick else pytest.mark.long) for name in names]
+
+
 def joint_of(level: float = 1.0) -> Any:
     """A linear loop that hunts."""
     a = np.array([[-1.0, 4.0, 1.5], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -133,6 +139,11 @@ def compared(name: str, keep: bool, runs: bool) -> Any:
 
 def of_axes(*paths: str) -> Any:
     return furuta.identify_axes({path: recorded(path, "stiction") for path in paths})
+
+
+def in_folder(make: Callable[[Path], Any]) -> Any:
+    with TemporaryDirectory() as folder:
+        return make(Path(folder))
 
 
 def read_back(folder: Path) -> Any:
@@ -189,7 +200,8 @@ for each in ((), ("rests",), ("steps", "rests")):
 add("identify_arm_joint: alone", True, lambda: furuta.identify_arm_joint(moved()))
 goal = {"command_time": TIME, "command": MOVES}
 add("identify_servo: both ways", False, lambda: furuta.identify_servo(moved()._replace(**goal)))
-WITH_FILES = {"export_c": partial(furuta.export_c, furuta.Loop()), "load_series": read_back}
+add("export_c: loop", True, in_folder, partial(furuta.export_c, furuta.Loop()))
+add("load_series: run", True, in_folder, read_back)
 # What is no result: a rig, text; and what needs the graph.
 OTHERS = {"identified_rig", "export_joint", "Rig", "Demo"}
 
@@ -198,14 +210,8 @@ def test_every_function_of_the_documentation_is_here() -> None:
     _, _, text = LIBRARY.read_text(encoding="utf-8").partition("## What there is")
     rows = re.findall(r"^\| (`.*?`) \|", text.partition("These ")[0], re.MULTILINE)
     named = {name for row in rows for name in re.findall(r"\w+", row)}
-    here = {case.partition(":")[0] for case in CASES} | WITH_FILES.keys()
+    here = {case.partition(":")[0] for case in CASES}
     assert len(named) > 20 and named - OTHERS <= here
-
-
-def check(result: Any) -> None:
-    """Raise if a result breaks a promise that every result keeps."""
-    for kept in (is_text, is_json, can_be_copied, has_members, is_drawn):
-        kept(result)
 
 
 def is_refusal(error: BaseException) -> None:
@@ -273,9 +279,7 @@ def is_drawn(result: Any) -> None:
         plt.close("all")
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(case, marks=() if case in QUICK else pytest.mark.long) for case in CASES]
-)
+@pytest.mark.parametrize("case", chosen(CASES, QUICK))
 def test_a_result_keeps_its_promises(case: str) -> None:
     """Without a warning; or it is refused."""
     with warnings.catch_warnings():
@@ -285,17 +289,11 @@ def test_a_result_keeps_its_promises(case: str) -> None:
         except furuta.ParameterError as error:
             is_refusal(error)
         else:
-            check(result)
+            for kept in (is_text, is_json, can_be_copied, has_members, is_drawn):
+                kept(result)
 
 
-@pytest.mark.parametrize("function", WITH_FILES)
-def test_a_result_of_files_keeps_its_promises(function: str, tmp_path: Path) -> None:
-    check(WITH_FILES[function](tmp_path))
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=() if n in QUICK_LOOPS else pytest.mark.long) for n in LOOPS]
-)
+@pytest.mark.parametrize("name", chosen(LOOPS, QUICK_LOOPS))
 def test_a_quantity_is_the_same_in_every_result(name: str) -> None:
     """Of a run, its measurement, a sweep and a comparison; or none has a value."""
     loop, seconds = loop_of(name)

@@ -1,7 +1,6 @@
 """What ``ros2 launch`` starts, and the launch files where ``launch`` is installed."""
 
 import ast
-import importlib.util
 import re
 from inspect import signature
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from sources import ROOT, SOURCES
+from sources import ROOT, SOURCES, loaded
 
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
 from furuta_bringup.launching import launched_nodes
@@ -29,12 +28,7 @@ def parameters(node: dict[str, Any]) -> dict[str, Any]:
 def entities(file: Path) -> list[Any]:
     """What a launch file describes, by ``launch`` itself."""
     pytest.importorskip("launch_ros")
-    specification = importlib.util.spec_from_file_location("launch_file", file)
-    assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    described: list[Any] = module.generate_launch_description().entities
+    described: list[Any] = loaded(file).generate_launch_description().entities
     return described
 
 
