@@ -23,6 +23,7 @@ from furuta.results.text import WIDTH
 from furuta_hw.commissioning.friction import FrictionLevels
 from furuta_model.friction.names import LAWS
 
+FOLDER = TemporaryDirectory()
 LIBRARY = Path(__file__).resolve().parents[3] / "docs" / "library.md"
 # Situations of the pendulum's loop: parameters, and seconds of a run. The first run in `make test`.
 QUICK_LOOPS: dict[str, tuple[dict[str, Any], float]] = {
@@ -141,14 +142,9 @@ def of_axes(*paths: str) -> Any:
     return furuta.identify_axes({path: recorded(path, "stiction") for path in paths})
 
 
-def in_folder(make: Callable[[Path], Any]) -> Any:
-    with TemporaryDirectory() as folder:
-        return make(Path(folder))
-
-
-def read_back(folder: Path) -> Any:
-    furuta.simulate(seconds=0.1).write(folder / "run.csv")
-    return furuta.load_series(folder / "run.csv")
+def read_back(file: Path) -> Any:
+    furuta.simulate(seconds=0.1).write(file)
+    return furuta.load_series(file)
 
 
 for each, function in product(LOOPS, OF_LOOPS):
@@ -200,8 +196,8 @@ for each in ((), ("rests",), ("steps", "rests")):
 add("identify_arm_joint: alone", True, lambda: furuta.identify_arm_joint(moved()))
 goal = {"command_time": TIME, "command": MOVES}
 add("identify_servo: both ways", False, lambda: furuta.identify_servo(moved()._replace(**goal)))
-add("export_c: loop", True, in_folder, partial(furuta.export_c, furuta.Loop()))
-add("load_series: run", True, in_folder, read_back)
+add("export_c: loop", True, furuta.export_c, furuta.Loop(), Path(FOLDER.name))
+add("load_series: run", True, read_back, Path(FOLDER.name, "run.csv"))
 # What is no result: a rig, text; and what needs the graph.
 OTHERS = {"identified_rig", "export_joint", "Rig", "Demo"}
 

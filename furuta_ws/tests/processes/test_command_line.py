@@ -81,6 +81,7 @@ FAILED = {
     "limit-cycle --over law=1:2": "law is not a number",
     "run --plant hardware": "no port given",
     "run --lockstep --record /proc/x": "cannot make the bag /proc/x: /proc/x: No such file",
+    "run --lockstep --record /dev/null": "/dev/null already exists; name another directory",
     "hw check --port /dev/nothing": "cannot open /dev/nothing: No such file or directory; ",
     "param defaults observer": "; did you mean friction_observer?",
     "linearize --nyquist --feedback nan 1 1 1": "feedback[0] must be a finite number",
