@@ -10,6 +10,7 @@ import pytest
 from joint_bags import joint_bag
 
 import furuta as library
+from furuta.results.table import Table
 
 
 def test_a_record_identifies_and_says_what_follows(answer: Any, tmp_path: Path) -> None:
@@ -101,3 +102,21 @@ def test_a_joint_beside_another_that_moves(
         assert abs(found["alpha0"] - 0.1) < 3.0 * found["standard_errors"]["alpha0"]
     status, _, err = furuta(*options[:-1], "hand", "--urdf", urdf)
     assert (status, "no joint hand" in err, err.count("\n")) == (1, True, 1)
+
+
+def test_a_servo_of_which_only_goal_and_position_are_logged(answer: Any, tmp_path: Path) -> None:
+    """The loop is a spring of stiffness 1 about the goal, so all is in its units."""
+    time = np.arange(0.0, 10.0, 5e-3)
+    goal = 0.4 * np.sin(1.7 * time) + 0.2 * np.sign(np.sin(2.9 * time))
+    servo = library.Axis(1e-3, library.Friction(alpha0=0.05, viscous=0.05), "coulomb")
+    fine = np.repeat(goal, 40)
+    loop = library.Pid(1.0, 0.0, 0.0)
+    moved = library.simulate_axis(servo, loop, reference=fine, sample_time=1.25e-4)
+    table = tmp_path / "servo.csv"
+    columns = {"time": time, "goal_deg": np.degrees(goal)}
+    position = np.interp(time, moved.time, moved.measured)
+    Table(columns | {"position_deg": np.degrees(position)}).write(table)
+    found = answer("axis", "--identify", table, "--goal", "goal_deg")
+    for name, true in (("inertia", 1e-3), ("friction", 0.05), ("viscous", 0.05)):
+        assert abs(found[name] - true) < 4.0 * found["standard_errors"][name] + 0.02 * true, name
+    assert found["units"]["friction"] == "rad"
