@@ -249,8 +249,6 @@ def test_a_missing_position_is_predicted() -> None:
 @pytest.mark.parametrize(
     ("values", "controller", "message"),
     [
-        ({"compensation": "lugr"}, None, "compensation.*lugr"),
-        ({"alpha0": -1.0}, None, "alpha0 must be .*-1"),
         ({"sample_time": 5.0}, None, "sample_time must be .*5"),
         ({"axis.inertia": 0.0}, PID, "elbow has a controller.*axis.inertia must be above 0"),
     ],

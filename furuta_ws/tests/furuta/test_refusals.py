@@ -77,6 +77,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "settled must be above 0 and at most 1, given 0": lambda: furuta.measure(settled=0.0),
     "needs at least 56 s of pendulum time, given 1": lambda: furuta.tune(seconds=1.0),
     "no rig nobody; rigs are": lambda: furuta.make_loop(rig="nobody"),
+    "parameter alfa0; did you mean alpha0": lambda: furuta.make_loop({"alfa0": 0.1}),
     "disturbances are delay, lag, noise": lambda: furuta.random_rigs(disturbances=["x"]),
     r"command must have shape \(3,\), given \(2,\)": lambda: furuta.identify(RECORDING),
     "expected NAME=VALUE, given 'alpha0'": lambda: load_settings([], ["alpha0"]),
@@ -137,6 +138,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "belong to an identified axis": lambda: furuta.study_axis(AXIS, PID, law="stiction"),
     # Studies.
     "expected NAME=": lambda: parse_swept_parameter("alpha0", 5),
+    r"NAME=LOW:HIGH\[:COUNT\]": lambda: parse_swept_parameter("alpha0=0.1-0.3", 5),
     "LOW < HIGH": lambda: parse_swept_parameter("alpha0=2:1", 5),
     "has no range": lambda: parse_swept_parameter("compensation=0:1", 5),
     "once": lambda: swept(ALPHA0, ALPHA0),

@@ -16,7 +16,6 @@ from furuta_model.parameters import ParameterError, declared
 
 FILE = SOURCES / "furuta_bringup" / "launch" / "furuta.launch.py"
 DISPLAY = SOURCES / "furuta_description" / "launch" / "display.launch.py"
-SEED = "plant: {ros__parameters: {seed: 1}}"
 
 
 def parameters(node: dict[str, Any]) -> dict[str, Any]:
@@ -62,26 +61,11 @@ def test_record_starts_a_recorder(
     assert kept["friction_observer"]["ros__parameters"]["compensation"] == "lugre"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "content", "reason"),
-    [
-        ({}, "plant: {ros__parameters: {sample_time: 0.002}}", "sample_time must be the same"),
-        ({"clock": "sundial"}, SEED, "clock must be one of"),
-        (
-            {"compensation": "lugre", "without": "friction_observer"},
-            SEED,
-            "compensation lugre needs the node friction_observer, which is left out",
-        ),
-    ],
-)
-def test_an_error_starts_no_node(
-    tmp_path: Path, arguments: dict[str, str], content: str, reason: str
-) -> None:
+def test_an_error_starts_no_node() -> None:
     """The launch fails with the reason before it has a node to start."""
-    file = tmp_path / "file.yaml"
-    file.write_text(content)
+    reason = "compensation lugre needs the node friction_observer, which is left out"
     with pytest.raises(ParameterError, match=reason):
-        launched_nodes(params_file=str(file), **arguments)
+        launched_nodes(compensation="lugre", without="friction_observer")
 
 
 def test_arguments_of_the_launch_file() -> None:
