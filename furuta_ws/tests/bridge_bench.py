@@ -96,6 +96,14 @@ class Loop:
         self._commands.publish(Float64(data=self.command))
 
 
+def driven(bench: Bench, node: HardwareBridgeNode, volts: float) -> Loop:
+    """A loop that drives the armed rig with a voltage."""
+    loop = Loop(bench, volts)
+    spin_samples(bench, node, 100)
+    assert arm(bench) == (True, "")
+    return loop
+
+
 def spin_samples(bench: Bench, node: HardwareBridgeNode, count: int) -> None:
     """Spin until the node has published so many samples."""
     end = node.samples + count

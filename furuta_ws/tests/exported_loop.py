@@ -5,10 +5,12 @@ gaps that end the estimate, falls, kicks, resets.
 """
 
 import ctypes
+import re
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from elf import Elf
 from sources import ROOT
 
 from furuta.export.loop_files import loop_files
@@ -173,6 +175,59 @@ def load(directory: Path, *sources: str | Path) -> ctypes.CDLL:
     library = directory / f"{len(list(directory.iterdir()))}.so"  # a name is loaded only once
     run_compiler("cc", *LIBRARY, f"-I{directory}", "-o", library, *sources)
     return ctypes.CDLL(str(library))
+
+
+def assert_gain_is_tested(directory: Path, name: str, gain: str) -> None:
+    """The test program passes as it is, and fails if a gain is changed by 1 %."""
+    main, sources = f"{name}_test", (directory / f"{name}.c", directory / f"{name}_test.c")
+    assert getattr(load(directory, f"-Dmain={main}", *sources), main)() == 0
+    text, count = re.subn(rf"({gain}) = (\S+);", r"\1 = (1.01f) * (\2);", sources[0].read_text())
+    assert count == 1
+    sources[0].write_text(text)
+    assert getattr(load(directory, f"-Dmain={main}", *sources), main)() == 1
+
+
+def assert_small(source: Path, precision: str, least: int, most: int) -> None:
+    """On other processors: no warning, no C library, no static memory, so much code [bytes]."""
+    warnings = ["-Wdouble-promotion"] if precision == "float" else []
+    out = source.with_suffix(".o")
+    for target in (*TARGETS.values(), X86):
+        run_compiler("cc", *ALONE, *warnings, *target, "-c", "-o", out, source)
+        if target is not X86:
+            elf = Elf(out)
+            assert least < elf.code_size() < most
+            assert elf.memory_size() == 0
+
+
+class OnProcessor:
+    """Exported code in float on an emulated Cortex-M4 with its floating-point unit."""
+
+    def __init__(self, directory: Path, name: str, board: Path, entry: str) -> None:
+        elf, sources = directory / f"{name}.elf", (directory / f"{name}.c", board, MEMORY)
+        options = *TARGETS["Cortex-M4"], "-g", "-nostdlib", f"-Wl,-e,{entry}", f"-I{directory}"
+        run_compiler("cc", *ALONE, *options, "-o", elf, *sources)
+        from cortex_m import LOG, SCRIPT, Processor  # noqa: PLC0415 - needs unicorn
+        from unicorn import UC_HOOK_CODE  # noqa: PLC0415 - the same
+
+        self._processor, self._instructions = Processor("cortex_m4", Elf(elf)), 0
+        self._places = SCRIPT, SCRIPT + 0x10000, LOG  # memory, what is given, results
+        self._processor.uc.hook_add(UC_HOOK_CODE, self._count)
+        self._processor.call(f"{name}_init", SCRIPT)
+
+    def _count(self, *_: object) -> None:
+        self._instructions += 1
+
+    def costs(self, function: str, given: np.ndarray, expected: np.ndarray) -> list[int]:
+        """Instructions of each call; its results have the bits that are ``expected``."""
+        costs, (_, place, found) = [], self._places
+        for row, results in zip(given, expected, strict=True):
+            self._processor.uc.mem_write(place, row.astype(np.float32).tobytes())
+            self._instructions = 0
+            self._processor.call(function, *self._places)
+            read = self._processor.uc.mem_read(found, 4 * results.size)
+            np.testing.assert_array_equal(np.frombuffer(read, np.float32), np.ravel(results))
+            costs.append(self._instructions)
+        return costs
 
 
 def compile_controller(directory: Path, source: Path) -> None:

@@ -1,11 +1,13 @@
 """Where the sources of the workspace are, and what each file of them imports."""
 
 import ast
+import importlib.util
 import os
 import xml.etree.ElementTree as ET
 from configparser import ConfigParser
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -22,6 +24,15 @@ PACKAGES = sorted(path.name for path in SOURCES.iterdir())
 def modules(package: str) -> list[Path]:
     """The modules of a package."""
     return sorted((SOURCES / package / package).rglob("*.py"))
+
+
+def loaded(file: Path) -> ModuleType:
+    """A Python file that is in no package, as a new module."""
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @cache

@@ -7,7 +7,6 @@ from furuta_control.control import MODES, ControllerMemory, control, design_cont
 from furuta_control.control import ControllerParameters as Control
 from furuta_control.estimation import METHOD_NAMES, EstimatorParameters
 from furuta_control.excitation import ExcitationParameters
-from furuta_friction.compensation import COMPENSATIONS, ObserverParameters
 from furuta_model.block import new_memory
 from furuta_model.friction.laws import ALL, LAWS, breakaway_level, friction_law, symmetric_level
 from furuta_model.friction.parameters import Friction
@@ -27,14 +26,6 @@ def test_law(law: object) -> None:
         assert symmetric_level(v, chosen) == chosen.law.level(v, P)
     at_rest = chosen.law.breakaway or (lambda p: chosen.law.level(0.0, p))
     assert breakaway_level(1.0, chosen) == at_rest(P)
-
-
-@pytest.mark.parametrize("name", COMPENSATIONS)
-def test_compensation(name: str) -> None:
-    """Its estimate is known, and is not 0 V unless it is none."""
-    run = simulate(Loop(observer=ObserverParameters(name)), 2.0)
-    assert np.all(np.isfinite(run.friction_estimate))
-    assert np.any(run.friction_estimate) == (name != "none")
 
 
 @pytest.mark.parametrize("name", METHOD_NAMES)

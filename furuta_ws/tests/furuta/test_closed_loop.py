@@ -66,14 +66,6 @@ def test_frictionless_motion_is_the_linear_one() -> None:
     assert state == pytest.approx(np.array(expected), abs=1e-3 * np.abs(expected).max())
 
 
-def test_seed_determines_the_run() -> None:
-    """The same seed gives the same run to the last bit, another seed a different run."""
-    first, again, other = (simulate(Loop(PlantParameters(seed=k)), 2.0) for k in (5, 5, 6))
-    for one, two in zip(first[1:], again[1:], strict=True):
-        assert np.array_equal(one, two, equal_nan=True)
-    assert not np.array_equal(first.state, other.state)
-
-
 def test_a_run_in_parts_is_the_same_run() -> None:
     """A simulation stopped and continued equals one long run to the last bit."""
     loop = Loop(PlantParameters(seed=5), observer=ObserverParameters("adaptive"))

@@ -13,7 +13,7 @@ from furuta.outcomes import outcome
 from furuta.settings.settings import load_settings, loop, rig_settings
 from furuta_hw.emulator.emulated_rig import EmulatedRig, plant_of
 from furuta_hw.rigs.rig import Rig
-from furuta_model.parameters import ParameterError, build
+from furuta_model.parameters import build
 from furuta_model.parts.coupling import Coupling
 from furuta_sim.parameters import PlantParameters
 
@@ -135,12 +135,6 @@ def test_a_stiff_coupling_is_a_rigid_one(law: str) -> None:
         given = f"friction.law={law} sensors.ideal=true coupling.frequency={coupling}".split()
         sizes.append(outcome(loop(load_settings([], given)), 10.0).phi_peak_to_peak_rad)
     assert sizes[1:] == pytest.approx([sizes[0]] * 2, rel=0.01)
-
-
-def test_backlash_needs_elasticity() -> None:
-    """In one line that says what is missing."""
-    with pytest.raises(ParameterError, match=r"coupling.backlash needs coupling.frequency above 0"):
-        build(PlantParameters, {"coupling.backlash": 0.01})
 
 
 def test_rig_file_and_emulated_rig_have_the_coupling() -> None:

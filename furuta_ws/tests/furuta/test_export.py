@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from elf import Elf
 from exported_loop import (
-    ALONE,
     EXAMPLES,
-    MEMORY,
     PRECISIONS,
-    TARGETS,
     WARNINGS,
-    X86,
     CompiledLoop,
+    OnProcessor,
     Recorder,
     Run,
+    assert_gain_is_tested,
+    assert_small,
     compile_controller,
-    load,
     write_loop,
 )
 
@@ -35,7 +31,7 @@ from furuta_model.friction.parameters import Friction
 from furuta_sim.simulation.closed_loop import Loop
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
-unicorn = pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
+pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
 
 SWING_UP = {"rig": "paper_full_turn", "mode": "swing_up", "method": "whole_circle"}
 USUAL: dict[str, dict[str, Any]] = {
@@ -105,29 +101,17 @@ def test_floats_deviate_little(case: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("case", "precision"), [("odrive", "double"), ("lugre", "float")])
 def test_the_test_program_finds_a_wrong_gain(case: str, precision: str, tmp_path: Path) -> None:
-    """It passes as it is, and fails if the gain is changed by 1 %."""
     loop = loop_of(CASES[case])
     write_loop(loop, tmp_path, PRECISIONS[precision])
-    sources = tmp_path / "loop.c", tmp_path / "loop_test.c"
-    assert load(tmp_path, "-Dmain=loop_test", *sources).loop_test() == 0
-    text, gain = sources[0].read_text(), r"(balance_gain_l3) = (\S+);"
-    sources[0].write_text(re.sub(gain, r"\1 = (1.01f) * (\2);", text))
-    assert load(tmp_path, "-Dmain=loop_test", *sources).loop_test() == 1
+    assert_gain_is_tested(tmp_path, "loop", "balance_gain_l3")
 
 
 @pytest.mark.parametrize(("case", "precision"), [("lugre", "float"), ("swing_up", "double")])
 def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> None:
-    """Compiled without warnings and without a C library; no static memory."""
+    """And the header is one of C++ too."""
     write_loop(loop_of(CASES[case]), tmp_path, PRECISIONS[precision])
-    warnings = ["-Wdouble-promotion"] if precision == "float" else []
-    out, source = tmp_path / "loop.o", tmp_path / "loop.c"
-    for target in TARGETS.values():
-        run_compiler("cc", *ALONE, *warnings, *target, "-c", "-o", out, source)
-        elf = Elf(out)
-        assert 2000 < elf.code_size() < 25_000
-        assert elf.memory_size() == 0
-    run_compiler("cc", *ALONE, *warnings, *X86, "-c", "-o", out, source)
-    header = f"-I{tmp_path}"
+    assert_small(tmp_path / "loop.c", precision, 2000, 25_000)
+    header, out = f"-I{tmp_path}", tmp_path / "user.o"
     (tmp_path / "user.cpp").write_text(
         '#include "loop.h"\nvoid (*step)(loop_memory *) = loop_init;'
     )
@@ -140,43 +124,14 @@ def test_ros2_control_example_compiles(tmp_path: Path) -> None:
     compile_controller(tmp_path, EXAMPLES / "furuta_loop_controller.cpp")
 
 
-class LoopOnProcessor:
-    """An exported loop on an emulated Cortex-M4 with its floating-point unit."""
-
-    def __init__(self, directory: Path) -> None:
-        elf, sources = directory / "loop.elf", (directory / "loop.c", BOARD, MEMORY)
-        options = *TARGETS["Cortex-M4"], "-g", "-nostdlib", "-Wl,-e,board_start", f"-I{directory}"
-        run_compiler("cc", *ALONE, *options, "-o", elf, *sources)
-        from cortex_m import LOG, SCRIPT, Processor  # noqa: PLC0415 - needs unicorn
-
-        self._processor = Processor("cortex_m4", Elf(elf))
-        self._memory, self._reading, self._command = SCRIPT, SCRIPT + 0x10000, LOG
-        self.instructions = 0
-        self._processor.uc.hook_add(unicorn.UC_HOOK_CODE, self._count)
-        self._processor.call("loop_init", self._memory)
-
-    def _count(self, *_: object) -> None:
-        self.instructions += 1
-
-    def step(self, reading: np.ndarray) -> np.ndarray:
-        """Command, friction estimate and estimate (7,) for a reading (5,)."""
-        self._processor.uc.mem_write(self._reading, reading.astype(np.float32).tobytes())
-        self.instructions = 0
-        self._processor.call("loop_step", self._memory, self._reading, self._command)
-        return np.frombuffer(self._processor.uc.mem_read(self._command, 28), np.float32)
-
-
 def test_cost_on_a_cortex_m4(tmp_path: Path) -> None:
     """Floats have the bits of this computer's; below 1000 instructions in a usual sample."""
     loop = loop_of(USUAL["lugre"])
     run = Recorder(loop).run(1500)
     actions = np.zeros_like(run.actions)
     expected = CompiledLoop(loop, tmp_path, FLOAT).run(run.readings, actions)
-    machine = LoopOnProcessor(tmp_path)
-    costs = []
-    for reading, result in zip(run.readings, expected, strict=True):
-        assert np.array_equal(machine.step(reading), result, equal_nan=True)
-        costs.append(machine.instructions)
+    machine = OnProcessor(tmp_path, "loop", BOARD, "board_start")
+    costs = machine.costs("loop_step", run.readings, expected)
     assert 300 < np.median(costs) < 1000
     assert max(costs) < 3000
 

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import ctypes
-import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from elf import Elf
 from exported_loop import (
-    ALONE,
     EXAMPLES,
-    MEMORY,
     PRECISIONS,
-    TARGETS,
-    X86,
+    OnProcessor,
+    assert_gain_is_tested,
+    assert_small,
     compile_controller,
     load,
 )
@@ -28,13 +25,12 @@ from furuta.axis.servo import ServoMemory, design_servo
 from furuta.export.axis_files import axis_files, run_servo
 from furuta.export.values import DOUBLE, FLOAT, Precision
 from furuta_friction.joint_observer import ObserverNodeParameters, reset
-from furuta_hw.emulator.firmware_compiler import run_compiler
 from furuta_model.block import block, new_memory
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError, build
 
 pytest.importorskip("ziglang", reason="pip install -r firmware/requirements.lock")
-unicorn = pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
+pytest.importorskip("unicorn", reason="pip install -r firmware/requirements.lock")
 
 # An elbow with gravity [N m, rad].
 COUNT, INERTIA, LEVEL, STIFFNESS = 1e-4, 0.2, 2.0, 20000.0
@@ -208,29 +204,14 @@ def test_floats_deviate_little(case: str, tmp_path: Path) -> None:
 def test_the_test_program_finds_a_wrong_gain(
     case: str, precision: str, gain: str, tmp_path: Path
 ) -> None:
-    """It passes as it is, and fails if the gain is changed by 1 %."""
     write_axis(joint_of(case), tmp_path, PRECISIONS[precision])
-    sources = tmp_path / "axis.c", tmp_path / "axis_test.c"
-    assert load(tmp_path, "-Dmain=axis_test", *sources).axis_test() == 0
-    text, count = re.subn(rf"({gain}) = (\S+);", r"\1 = (1.01f) * (\2);", sources[0].read_text())
-    assert count == 1
-    sources[0].write_text(text)
-    assert load(tmp_path, "-Dmain=axis_test", *sources).axis_test() == 1
+    assert_gain_is_tested(tmp_path, "axis", gain)
 
 
 @pytest.mark.parametrize(("case", "precision"), [("late", "float"), ("recommended", "double")])
 def test_size_on_other_processors(case: str, precision: str, tmp_path: Path) -> None:
-    """Compiled without warnings and without a C library; no static memory."""
     write_axis(joint_of(case), tmp_path, PRECISIONS[precision])
-    warnings = ["-Wdouble-promotion"] if precision == "float" else []
-    out, source = tmp_path / "axis.o", tmp_path / "axis.c"
-    for name, target in TARGETS.items():
-        run_compiler("cc", *ALONE, *warnings, *target, "-c", "-o", out, source)
-        elf = Elf(out)
-        print(name, precision, elf.code_size())
-        assert 1000 < elf.code_size() < 15_000
-        assert elf.memory_size() == 0
-    run_compiler("cc", *ALONE, *warnings, *X86, "-c", "-o", out, source)
+    assert_small(tmp_path / "axis.c", precision, 1000, 15_000)
 
 
 @pytest.mark.parametrize("precision", PRECISIONS)
@@ -240,45 +221,14 @@ def test_ros2_control_example_compiles(precision: str, tmp_path: Path) -> None:
     compile_controller(tmp_path, EXAMPLES / "joint_friction_controller.cpp")
 
 
-class AxisOnProcessor:
-    """An exported axis on an emulated Cortex-M4 with its floating-point unit."""
-
-    def __init__(self, directory: Path, precision: Precision) -> None:
-        elf, sources = directory / "axis.elf", (directory / "axis.c", CALLS, MEMORY)
-        options = *TARGETS["Cortex-M4"], "-g", "-nostdlib", "-Wl,-e,call_step"
-        run_compiler("cc", *ALONE, *options, f"-I{directory}", "-o", elf, *sources)
-        from cortex_m import LOG, SCRIPT, Processor  # noqa: PLC0415 - needs unicorn
-
-        self._processor = Processor("cortex_m4", Elf(elf))
-        self._memory, self._given, self._result = SCRIPT, SCRIPT + 0x10000, LOG
-        self._real = np.float32 if precision is FLOAT else np.float64
-        self.instructions = 0
-        self._processor.uc.hook_add(unicorn.UC_HOOK_CODE, self._count)
-        self._processor.call("axis_init", self._memory)
-
-    def _count(self, *_: object) -> None:
-        self.instructions += 1
-
-    def call(self, function: str, given: np.ndarray) -> float:
-        """The result for a sample."""
-        self._processor.uc.mem_write(self._given, given.astype(self._real).tobytes())
-        self.instructions = 0
-        self._processor.call(function, self._memory, self._given, self._result)
-        size = np.dtype(self._real).itemsize
-        return np.frombuffer(self._processor.uc.mem_read(self._result, size), self._real)[0]
-
-
 def test_cost_on_a_cortex_m4(tmp_path: Path) -> None:
     """Floats have the bits of this computer's; below 1000 instructions in a usual sample."""
     joint, run = joint_of("lugre"), random_run(1500)
     run = run._replace(resets=np.zeros_like(run.resets))
     expected = compiled_results(joint, run, tmp_path, FLOAT)
     for function, results in zip(("call_step", "call_friction"), expected.T, strict=True):
-        machine, costs = AxisOnProcessor(tmp_path, FLOAT), []
-        for given, result in zip(run.given, results, strict=True):
-            assert np.array_equal(machine.call(function, given), result, equal_nan=True)
-            costs.append(machine.instructions)
-        print(function, np.median(costs), max(costs))
+        machine = OnProcessor(tmp_path, "axis", CALLS, "call_step")
+        costs = machine.costs(function, run.given, results)
         assert 200 < np.median(costs) < 1000
         assert max(costs) < 3000
 
@@ -299,8 +249,6 @@ def test_a_missing_position_is_predicted() -> None:
 @pytest.mark.parametrize(
     ("values", "controller", "message"),
     [
-        ({"compensation": "lugr"}, None, "compensation.*lugr"),
-        ({"alpha0": -1.0}, None, "alpha0 must be .*-1"),
         ({"sample_time": 5.0}, None, "sample_time must be .*5"),
         ({"axis.inertia": 0.0}, PID, "elbow has a controller.*axis.inertia must be above 0"),
     ],

@@ -11,13 +11,11 @@ from furuta_control.estimation import EstimatorParameters
 from furuta_model.friction.laws import (
     ALL,
     ANALYSED_LAWS,
-    analysed_law,
     friction_law,
     sliding_level,
 )
 from furuta_model.friction.parameters import Friction
 from furuta_model.integration import advance, substeps_for
-from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.sensors import Actuator, Sensors
 from furuta_sim.parameters import PlantFriction, PlantParameters
@@ -25,11 +23,6 @@ from furuta_sim.simulation.closed_loop import Loop, simulate
 
 P = Friction(alpha1=0.05, viscous=0.02, asymmetry=0.2)
 STICKING = [law.name for law in ALL if not law.bristle]
-
-
-def test_analysis_rejects_a_law_with_springs() -> None:
-    with pytest.raises(ParameterError, match="maxwell_slip; give --law with one of coulomb, "):
-        analysed_law("maxwell_slip", P)
 
 
 @pytest.mark.parametrize("law", STICKING)

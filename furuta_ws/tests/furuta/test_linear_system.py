@@ -64,27 +64,3 @@ def test_branch_of_a_loop_reaches_the_end_of_the_range() -> None:
         alone = furuta.limit_cycle(joint_at(value))
         assert cycle.peak_to_peak == pytest.approx(alone.peak_to_peak, rel=1e-8)
     assert branch.to_dict()["events"] == [{"event": "end", "damping": v} for v in (0.8, 1.2)]
-
-
-@pytest.mark.parametrize(
-    ("system", "message"),
-    [
-        (control.ss(A, B, C, 1), "without delay, given D"),
-        (control.ss(A, B, C, 0, 0.1), "continuous time, given dt = 0.1"),
-        (control.tf([1.0], [1.0, 1.0, 1.0]), "c·b is 0, must be above 0"),
-    ],
-)
-def test_other_systems_are_rejected(system: Any, message: str) -> None:
-    with pytest.raises(furuta.ParameterError, match=message):
-        furuta.friction_joint(system, FRICTION)
-
-
-def test_arguments_without_effect_are_rejected() -> None:
-    given = furuta.friction_joint((A, B, C), FRICTION, "stiction")
-    with pytest.raises(furuta.ParameterError, match="3 finite numbers"):
-        furuta.limit_cycle(given, start=np.zeros(2))
-    for argument in ({"theta": 0.1}, {"law": "coulomb"}, {"linear": True}):
-        with pytest.raises(furuta.ParameterError, match=f"{next(iter(argument))} cannot be"):
-            furuta.limit_cycle(given, **argument)
-    with pytest.raises(furuta.ParameterError, match="theta cannot be"):
-        furuta.limit_cycle(theta=0.1, start=np.zeros(4))

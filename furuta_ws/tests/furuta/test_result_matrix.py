@@ -6,10 +6,11 @@ import json
 import pickle
 import re
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Container, Iterable
 from functools import cache, partial
 from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -22,6 +23,7 @@ from furuta.results.text import WIDTH
 from furuta_hw.commissioning.friction import FrictionLevels
 from furuta_model.friction.names import LAWS
 
+FOLDER = TemporaryDirectory()
 LIBRARY = Path(__file__).resolve().parents[3] / "docs" / "library.md"
 # Situations of the pendulum's loop: parameters, and seconds of a run. The first run in `make test`.
 QUICK_LOOPS: dict[str, tuple[dict[str, Any], float]] = {
@@ -82,6 +84,11 @@ def loop_of(name: str) -> tuple[Any, float]:
     return furuta.make_loop(values), seconds
 
 
+def chosen(names: Iterable[str], quick: Container[str]) -> list[Any]:
+    """Parameters of a test; those that are not quick are long."""
+    return [pytest.param(name, marks=() if name in quick else pytest.mark.long) for name in names]
+
+
 def joint_of(level: float = 1.0) -> Any:
     """A linear loop that hunts."""
     a = np.array([[-1.0, 4.0, 1.5], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -135,9 +142,9 @@ def of_axes(*paths: str) -> Any:
     return furuta.identify_axes({path: recorded(path, "stiction") for path in paths})
 
 
-def read_back(folder: Path) -> Any:
-    furuta.simulate(seconds=0.1).write(folder / "run.csv")
-    return furuta.load_series(folder / "run.csv")
+def read_back(file: Path) -> Any:
+    furuta.simulate(seconds=0.1).write(file)
+    return furuta.load_series(file)
 
 
 for each, function in product(LOOPS, OF_LOOPS):
@@ -189,7 +196,8 @@ for each in ((), ("rests",), ("steps", "rests")):
 add("identify_arm_joint: alone", True, lambda: furuta.identify_arm_joint(moved()))
 goal = {"command_time": TIME, "command": MOVES}
 add("identify_servo: both ways", False, lambda: furuta.identify_servo(moved()._replace(**goal)))
-WITH_FILES = {"export_c": partial(furuta.export_c, furuta.Loop()), "load_series": read_back}
+add("export_c: loop", True, furuta.export_c, furuta.Loop(), Path(FOLDER.name))
+add("load_series: run", True, read_back, Path(FOLDER.name, "run.csv"))
 # What is no result: a rig, text; and what needs the graph.
 OTHERS = {"identified_rig", "export_joint", "Rig", "Demo"}
 
@@ -198,14 +206,8 @@ def test_every_function_of_the_documentation_is_here() -> None:
     _, _, text = LIBRARY.read_text(encoding="utf-8").partition("## What there is")
     rows = re.findall(r"^\| (`.*?`) \|", text.partition("These ")[0], re.MULTILINE)
     named = {name for row in rows for name in re.findall(r"\w+", row)}
-    here = {case.partition(":")[0] for case in CASES} | WITH_FILES.keys()
+    here = {case.partition(":")[0] for case in CASES}
     assert len(named) > 20 and named - OTHERS <= here
-
-
-def check(result: Any) -> None:
-    """Raise if a result breaks a promise that every result keeps."""
-    for kept in (is_text, is_json, can_be_copied, has_members, is_drawn):
-        kept(result)
 
 
 def is_refusal(error: BaseException) -> None:
@@ -273,9 +275,7 @@ def is_drawn(result: Any) -> None:
         plt.close("all")
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(case, marks=() if case in QUICK else pytest.mark.long) for case in CASES]
-)
+@pytest.mark.parametrize("case", chosen(CASES, QUICK))
 def test_a_result_keeps_its_promises(case: str) -> None:
     """Without a warning; or it is refused."""
     with warnings.catch_warnings():
@@ -285,17 +285,11 @@ def test_a_result_keeps_its_promises(case: str) -> None:
         except furuta.ParameterError as error:
             is_refusal(error)
         else:
-            check(result)
+            for kept in (is_text, is_json, can_be_copied, has_members, is_drawn):
+                kept(result)
 
 
-@pytest.mark.parametrize("function", WITH_FILES)
-def test_a_result_of_files_keeps_its_promises(function: str, tmp_path: Path) -> None:
-    check(WITH_FILES[function](tmp_path))
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=() if n in QUICK_LOOPS else pytest.mark.long) for n in LOOPS]
-)
+@pytest.mark.parametrize("name", chosen(LOOPS, QUICK_LOOPS))
 def test_a_quantity_is_the_same_in_every_result(name: str) -> None:
     """Of a run, its measurement, a sweep and a comparison; or none has a value."""
     loop, seconds = loop_of(name)

@@ -1,13 +1,12 @@
 """The scenes of joints that stick: their exact values, and the row of one simulator."""
 
-import importlib.util
 import json
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from sources import ROOT
+from sources import ROOT, loaded
 
 import furuta
 from furuta.axis.joint_file import JointFile
@@ -25,25 +24,16 @@ MUJOCO = {
 }
 
 
-def loaded(name: str) -> ModuleType:
-    """A module of the example, which is no package."""
-    spec = importlib.util.spec_from_file_location(f"sticking_{name}", FOLDER / f"{name}.py")
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 @pytest.fixture(scope="module")
 def truths() -> ModuleType:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(FOLDER)
-        return loaded("truths")
+        return loaded(FOLDER / "truths.py")
 
 
 @pytest.fixture(scope="module")
 def run() -> ModuleType:
-    return loaded("run")
+    return loaded(FOLDER / "run.py")
 
 
 @pytest.mark.parametrize("name", SCENES)

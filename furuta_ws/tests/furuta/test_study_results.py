@@ -115,12 +115,3 @@ def test_swing_ups_are_counted_and_drawn() -> None:
     assert len(angle.lines) == 2
     assert np.nanmax(upright.lines[0].get_ydata()) == pytest.approx(2 / 3)
     assert len(arm.lines[0].get_xdata()) == 3
-
-
-def test_a_comparison_rejects_what_its_rigs_do_not_have() -> None:
-    """Nothing is ignored in silence; the named rigs are listed one by one."""
-    for given in ({"seed": 1}, {"disturbances": ["lag"]}, {"rig": "paper"}):
-        with pytest.raises(furuta.ParameterError, match="are of random rigs"):
-            furuta.compare(rigs="named", seconds=5.0, **given)
-    with pytest.raises(furuta.ParameterError, match="'named' or a table, given 'all'"):
-        furuta.compare(rigs="all")

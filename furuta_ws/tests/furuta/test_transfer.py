@@ -9,7 +9,6 @@ from furuta.transfer import (
     transfer,
 )
 from furuta_model.linear import DesiredPoles, linearize, place_poles
-from furuta_model.parameters import ParameterError
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT
 
@@ -77,9 +76,3 @@ def test_stable_loop_with_arm_feedback_crosses_once() -> None:
     for omega1, omega2, zeta1, zeta2 in rng.uniform(0.2, [20, 20, 1.5, 1.5], (50, 4)):
         gain = place_poles(P, DesiredPoles(omega1, zeta1, omega2, zeta2))
         assert len(transfer(P, -gain).crossings) == 1
-
-
-def test_bad_feedback_is_rejected() -> None:
-    for feedback in ((1.0, 2.0, 3.0), (1.0, 2.0, 3.0, float("nan"))):
-        with pytest.raises(ParameterError, match="four finite numbers"):
-            transfer(P, feedback)

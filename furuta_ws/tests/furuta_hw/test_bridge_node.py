@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, spin_samples
+from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, driven, spin_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
 from rclpy.node import Node
@@ -69,9 +69,7 @@ def test_reports_whether_it_is_armed(bench: Bench, permissive_rig: str) -> None:
         ARMED.message, ARMED.name, lambda message: reports.append(message.data), LATCHED
     )
     bench.spin(lambda: reports == [False])
-    Loop(bench, 1.0)
-    spin_samples(bench, node, 100)
-    assert arm(bench) == (True, "")
+    driven(bench, node, 1.0)
     bench.spin(lambda: reports == [False, True])
     node.guarded_rig.stop("test")
     bench.spin(lambda: reports == [False, True, False])
@@ -82,9 +80,7 @@ def test_a_second_controller_stops_the_rig_and_keeps_it_from_arming(
 ) -> None:
     """Nobody can say whose commands are right; the reason names both."""
     node = bridge(bench, rig=permissive_rig, autostart="active")
-    Loop(bench, 1.0)
-    spin_samples(bench, node, 100)
-    assert arm(bench) == (True, "")
+    driven(bench, node, 1.0)
     bench.spin(lambda: code(node) != 0)
     second = Node("second")
     publisher = second.create_publisher(COMMAND.message, COMMAND.name, QOS)
@@ -147,9 +143,7 @@ def test_a_bad_command_stops_the_rig_until_it_is_armed_again(
     node = bridge(bench, rig=permissive_rig, autostart="active")
     statuses: list[Any] = []
     bench.probe.create_subscription(DiagnosticArray, "/diagnostics", statuses.append, 100)
-    loop = Loop(bench, 0.2)
-    spin_samples(bench, node, 10)
-    assert arm(bench) == (True, "")
+    loop = driven(bench, node, 0.2)
     bench.spin(lambda: code(node) != 0)
     loop.command = float("nan")
     bench.spin(lambda: not node.guard.armed and code(node) == 0)

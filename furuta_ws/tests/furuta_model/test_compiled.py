@@ -59,16 +59,14 @@ def run(folder: Path, script: str = SCRIPT) -> tuple[float, int]:
     python_path = os.pathsep.join([str(folder), kept.get("PYTHONPATH", "")])
     # Python's own cache cannot distinguish edits of equal length within a second.
     kept |= {"PYTHONPATH": python_path, "PYTHONDONTWRITEBYTECODE": "1"}
-    output = subprocess.run(
-        [sys.executable, "-c", script],
-        env=kept,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=120,
-    ).stdout
-    result, hits = output.split()
+    result, hits = done_by(script, kept).stdout.split()
     return float(result), int(hits)
+
+
+def done_by(script: str, environment: dict[str, str]) -> subprocess.CompletedProcess[str]:
+    """What a new interpreter prints that runs a script."""
+    start = [sys.executable, "-c", script]
+    return subprocess.run(start, env=environment, capture_output=True, text=True, check=True)
 
 
 def test_cache_is_used_and_never_stale(tmp_path: Path) -> None:
@@ -195,9 +193,7 @@ def errors_of(folder: Path, script: str) -> list[str]:
     """The lines on standard error of the script; standard output is the result alone."""
     path = os.pathsep.join([str(folder), os.environ["PYTHONPATH"]])
     environment = os.environ | {"PYTHONPATH": path, "NUMBA_CACHE_DIR": str(folder / "cache")}
-    done = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True
-    )
+    done = done_by(script, environment)
     assert done.stdout == "7.0\n"
     return done.stderr.splitlines()
 

@@ -241,6 +241,8 @@ def test_what_is_no_readable_bag_is_one_line(tmp_path: Path) -> None:
         with pytest.raises(ParameterError, match=words) as error:
             times(path)
         assert "\n" not in str(error.value)
+    with pytest.raises(ParameterError, match="sensor_msgs/msg/JointState"):
+        read(bag, Mapping())
     with pytest.raises(ParameterError, match=r"`\.recover` of sqlite3"):
         recover(bag, tmp_path / "recovered")
     with closing(sqlite3.connect(bag / "sqlite.db3")) as database:
@@ -366,6 +368,7 @@ def test_an_axis_from_a_bag(tmp_path: Path) -> None:
         ({}, "any of a, b may be the axis; name it with --joint"),
         ({"joint": "c"}, "no joint c; it has a, b"),
         ({"position": "b"}, "a bag has no columns"),
+        ({"joint": "b", "command": "nothing"}, "no command nothing"),
     ):
         with pytest.raises(ParameterError, match=words):
             read_axis(bag, **options)

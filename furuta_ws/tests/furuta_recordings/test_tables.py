@@ -151,6 +151,8 @@ def test_names_of_several_words(tmp_path: Path) -> None:
             "200 cells in column command are not numbers, first 'abc' in line 2",
         ),
         (b"PK\x03\x04" + bytes(30), "a zip archive or workbook"),
+        (b"\x89PNG\r\n\x1a\n\0", "it is a picture"),
+        ("just,words\nand,more\n", "no row of numbers"),
     ],
 )
 def test_what_cannot_be_read_says_what_to_do(tmp_path: Path, text: str | bytes, words: str) -> None:

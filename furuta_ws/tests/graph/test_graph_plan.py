@@ -66,8 +66,6 @@ def test_what_is_chosen_for_the_bridge_holds(assignment: str) -> None:
     [
         (GraphOptions(), ["plant.sample_time=0.002"], "sample_time must be the same"),
         (GraphOptions(hardware=True), ["sample_time=0.002"], "the rig's sample_time is 0.001 s"),
-        (GraphOptions(rig="no_such_rig"), [], "no rig no_such_rig; rigs are "),
-        (GraphOptions(namespace="a b"), [], "a namespace has letters"),
         (GraphOptions(clock="lockstep"), ["clock=realtime"], "--lockstep sets plant.clock and so"),
         (GraphOptions(seconds=3.0), ["run_until=5.0"], "--seconds sets plant.run_until and so"),
         (GraphOptions(hardware=True, port="a"), ["port=b"], "and so does --set port=b"),

@@ -29,7 +29,7 @@ GIVEN = {
 }
 
 
-def state(stamp: int, **joints: tuple[float, float, float]) -> JointState:
+def state(stamp: int, **joints: tuple[float, ...]) -> JointState:
     """A message with position, velocity and effort of joints."""
     message = JointState(name=list(joints))
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, 1_000_000_000)
@@ -46,19 +46,26 @@ def node_on_bench(bench: Bench) -> Any:
     return node
 
 
-def send(bench: Bench, publisher: Any, message: JointState, answers: int) -> list[float]:
-    """Publish a message; returns all answers once there are so many."""
+@pytest.fixture
+def states(bench: Bench, node: Any) -> Any:
+    """A publisher of states that the node knows, as the probe knows the node."""
+    publisher = bench.publisher(JOINT_STATES)
+    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    return publisher
+
+
+def answers(bench: Bench, states: Any, stamp: int, **joints: tuple[float, ...]) -> list[float]:
+    """Publish a state; returns all answers once there is another one."""
     received = bench.received[FRICTION_ESTIMATE.name]
-    publisher.publish(message)
-    bench.spin(lambda: len(received) >= answers)
+    before = len(received)
+    states.publish(state(stamp, **joints))
+    bench.spin(lambda: len(received) > before)
     return [each.data for each in received]
 
 
-def test_each_state_of_the_joint_is_answered(bench: Bench, node: Any) -> None:
+def test_each_state_of_the_joint_is_answered(bench: Bench, node: Any, states: Any) -> None:
     """In any order of joints, as the core answers; a repeated state gets the same answer."""
     memory, design = new_memory(JointMemory), block(design_joint(node.parameters))
-    publisher = bench.publisher(JOINT_STATES)
-    bench.wait_for_publisher(FRICTION_ESTIMATE)
     expected = []
     for k in range(1, 8):
         elbow, stamp = (0.01 * k * k, 0.5, 3.0), k * PERIOD
@@ -67,77 +74,64 @@ def test_each_state_of_the_joint_is_answered(bench: Bench, node: Any) -> None:
         expected.append(joint_step(memory, x, design, min(k - 1, 1)))
         others = {"gripper": (0.0, 0.0, 0.0), "wrist": (1.0, 2.0, 3.0)}
         joints = {**others, "elbow_joint": elbow} if k % 2 else {"elbow_joint": elbow, **others}
-        assert send(bench, publisher, state(stamp, **joints), k) == expected
+        assert answers(bench, states, stamp, **joints) == expected
     assert expected[-1] == 2.0
-    assert send(bench, publisher, state(stamp, **joints), 8)[-1] == expected[-1]
+    assert answers(bench, states, stamp, **joints)[-1] == expected[-1]
 
 
-def test_other_publishers_are_no_matter(bench: Bench, node: Any) -> None:
+def test_other_publishers_are_no_matter(bench: Bench, node: Any, states: Any) -> None:
     """A gripper publishes on the same topic with best effort; its messages are not refused."""
     gripper = bench.probe.create_publisher(JointState, JOINT_STATES.name, BEST_EFFORT)
-    publisher = bench.publisher(JOINT_STATES)
-    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    bench.spin(lambda: gripper.get_subscription_count() > 0)
     handled = count_handled(node)
     gripper.publish(state(PERIOD, finger=(0.0, 0.0, 0.0)))
     bench.spin(lambda: handled[JOINT_STATES.name] == 1)
-    answers = send(bench, publisher, state(PERIOD, elbow_joint=(0.0, 0.1, 0.0)), 1)
-    assert (len(answers), node.refused) == (1, 0)
+    assert len(answers(bench, states, PERIOD, elbow_joint=(0.0, 0.1, 0.0))) == 1
+    assert node.refused == 0
     assert node.second_publishers([]) == ""
 
 
-def test_a_reference_counts_while_it_is_new(bench: Bench, node: Any) -> None:
+def test_a_reference_counts_while_it_is_new(bench: Bench, node: Any, states: Any) -> None:
     """The joint rests, the reference moves: F̂ has its direction for 0.1 s."""
-    publisher, reference = bench.publisher(JOINT_STATES), bench.publisher(REFERENCE)
-    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    reference = bench.publisher(REFERENCE)
     handled = count_handled(node)
     reference.publish(state(0, elbow_joint=(0.0, -1.0, 0.0)))
     bench.spin(lambda: handled[REFERENCE.name] == 1)
-    answers: list[float] = []
     for k in range(1, 61):
-        answers = send(bench, publisher, state(k * PERIOD, elbow_joint=(0.0, 0.0, 0.0)), k)
-    assert answers[:50] == [-2.0] * 50
-    assert answers[51:] == [0.0] * 9
+        found = answers(bench, states, k * PERIOD, elbow_joint=(0.0, 0.0, 0.0))
+    assert found[:50] == [-2.0] * 50
+    assert found[51:] == [0.0] * 9
 
 
-def test_what_cannot_be_used_is_refused(bench: Bench, node: Any, capfd: Any) -> None:
+def test_what_cannot_be_used_is_refused(bench: Bench, node: Any, states: Any, capfd: Any) -> None:
     """No position, no number, no velocity of a reference: one line each, and the node goes on."""
-    publisher, reference = bench.publisher(JOINT_STATES), bench.publisher(REFERENCE)
-    bench.wait_for_publisher(FRICTION_ESTIMATE)
-    publisher.publish(JointState(name=["elbow_joint"]))
-    publisher.publish(state(PERIOD, elbow_joint=(1e9, 0.0, 0.0)))
+    reference = bench.publisher(REFERENCE)
+    states.publish(JointState(name=["elbow_joint"]))
+    states.publish(state(PERIOD, elbow_joint=(1e9, 0.0, 0.0)))
     reference.publish(JointState(name=["elbow_joint"]))
     bench.spin(lambda: node.refused == 3)
-    assert len(send(bench, publisher, state(PERIOD, elbow_joint=(0.1, 0.0, 0.0)), 1)) == 1
+    assert len(answers(bench, states, PERIOD, elbow_joint=(0.1, 0.0, 0.0))) == 1
     warned = capfd.readouterr().err
     assert "no position of joint elbow_joint" in warned
     assert "no velocity of joint elbow_joint" in warned
 
 
-def test_a_missing_effort_is_named(bench: Bench, node: Any, capfd: Any) -> None:
+def test_a_missing_effort_is_named(bench: Bench, node: Any, states: Any, capfd: Any) -> None:
     """What needs the observed friction says so while there is none."""
-    assert all(
-        each.successful
-        for each in node.set_parameters([Parameter("compensation", value="recommended")])
-    )
-    publisher = bench.publisher(JOINT_STATES)
-    bench.wait_for_publisher(FRICTION_ESTIMATE)
+    (result,) = node.set_parameters([Parameter("compensation", value="recommended")])
+    assert result.successful
     for effort, is_named in ((1.0, False), (nan, True)):
-        send(
-            bench,
-            publisher,
-            state(PERIOD + is_named * PERIOD, elbow_joint=(0.0, 0.0, effort)),
-            1 + is_named,
-        )
+        answers(bench, states, PERIOD + is_named * PERIOD, elbow_joint=(0.0, 0.0, effort))
         capfd.readouterr()
         node._check()
         assert ("needs effort in joint_states" in capfd.readouterr().err) is is_named
 
 
-def test_a_wrong_joint_is_named(bench: Bench, node: Any, capfd: Any) -> None:
+def test_a_wrong_joint_is_named(bench: Bench, node: Any, states: Any, capfd: Any) -> None:
     """Messages come, and none has the joint: the warning and the status say which one has."""
-    publisher, handled = bench.publisher(JOINT_STATES), count_handled(node)
+    handled = count_handled(node)
     for joint, is_named in (("elbow_jiont", True), ("elbow_joint", False)):
-        publisher.publish(state(PERIOD, **{joint: (0.0, 0.0, 0.0)}))
+        states.publish(state(PERIOD, **{joint: (0.0, 0.0, 0.0)}))
         bench.spin(lambda: handled.pop(JOINT_STATES.name, 0) == 1)
         node._check()
         expected = "no message on joint_states has the joint elbow_joint; one has ['elbow_jiont']"
@@ -184,7 +178,8 @@ def test_what_is_learned_is_in_the_status(bench: Bench, joint: str) -> None:
     bench.wait_for_publisher(FRICTION_ESTIMATE)
     at_rest = {"elbow_joint": (0.0, 0.0, 0.0)}
     message = joint_state((0.0,) * 4, PERIOD) if joint == "arm" else state(PERIOD, **at_rest)
-    send(bench, publisher, message, 1)
+    publisher.publish(message)
+    bench.spin(lambda: bench.received[FRICTION_ESTIMATE.name])
     learned = node.statistics()
     assert learned["learned level"] == "0.25"
     bandwidth, inverse_inertia = 50.0, 45.0 if joint == "arm" else 1.0 / 0.3
@@ -193,12 +188,10 @@ def test_what_is_learned_is_in_the_status(bench: Bench, joint: str) -> None:
     assert learned["learned presliding"] == starts
 
 
-def test_a_wrong_sample_time_is_named(bench: Bench, node: Any, capfd: Any) -> None:
+def test_a_wrong_sample_time_is_named(bench: Bench, node: Any, states: Any, capfd: Any) -> None:
     """States that come every 8 ms do not suit a sample time of 2 ms."""
-    publisher = bench.publisher(JOINT_STATES)
-    bench.wait_for_publisher(FRICTION_ESTIMATE)
     for k in range(1, 6):
-        send(bench, publisher, state(k * 4 * PERIOD, elbow_joint=(0.0, 0.0, 0.0)), k)
+        answers(bench, states, k * 4 * PERIOD, elbow_joint=(0.0, 0.0, 0.0))
         if k == 1:
             node._check()
     capfd.readouterr()

@@ -72,6 +72,14 @@ def is_sent(publisher: Publisher, message: Any) -> bool:
     return True
 
 
+def inputs(bench: Bench, node: Any) -> Iterator[tuple[Any, Publisher]]:
+    """The type of each topic that a node hears, and a publisher that it knows."""
+    for topic, kind in {each.topic_name: each.msg_type for each in node.subscriptions}.items():
+        publisher = bench.probe.create_publisher(kind, topic, ALL)
+        bench.spin(lambda publisher=publisher: publisher.get_subscription_count() > 0)
+        yield kind, publisher
+
+
 def good(kind: Any) -> Any:
     """A message that a node answers, or an empty one."""
     if kind.__name__ == "JointState":
@@ -121,17 +129,15 @@ def test_no_message_surprises_a_node(
     failures: list[Any] = []
     monkeypatch.setattr(FurutaNode, "report_failure", lambda self, *of: failures.append(of))
     handled = count_handled(node)
-    inputs = {each.topic_name: each.msg_type for each in node.subscriptions}
-    for topic, kind in inputs.items():
-        publisher = bench.probe.create_publisher(kind, topic, ALL)
-        bench.spin(lambda publisher=publisher: publisher.get_subscription_count() > 0)
+    for kind, publisher in inputs(bench, node):
         for data in MALFORMED:  # of some of them ROS itself calls no callback
             is_sent(publisher, data)
         bench.settle(0.02)
+        topic = publisher.topic_name.strip("/")
         for message in (*odd(kind), good(kind)):
-            before = handled[topic.strip("/")]
+            before = handled[topic]
             publisher.publish(message)
-            bench.spin(lambda topic=topic, n=before: handled[topic.strip("/")] > n)
+            bench.spin(lambda topic=topic, n=before: handled[topic] > n)
     assert not failures
 
 
@@ -199,10 +205,7 @@ def test_no_message_ends_the_page(bench: Bench) -> None:
     """Nor is there an exception that its guard has to catch."""
     nothing = partial(lambda *_, **__: None)
     page = LivePage(SimpleNamespace(known={}, tell=nothing, say=nothing, send=nothing))  # type: ignore[arg-type]
-    inputs = {each.topic_name: each.msg_type for each in page._node.subscriptions}
-    for topic, kind in inputs.items():
-        publisher = bench.probe.create_publisher(kind, topic, ALL)
-        bench.spin(lambda publisher=publisher: publisher.get_subscription_count() > 0)
+    for kind, publisher in inputs(bench, page._node):
         for message in (*odd(kind), *MALFORMED):
             is_sent(publisher, message)
             bench.executor.spin_once(timeout_sec=0.002)

@@ -1,15 +1,11 @@
 """Parameters of all nodes, through ROS."""
 
-from typing import Any
-
 import pytest
 from rclpy.parameter import Parameter
 
 from furuta.settings.nodes import NODES
 from furuta_bringup.graph.parameter_client import ParameterClient
-from furuta_bringup.graph.services import ServiceError
 from furuta_control.estimator_node import EstimatorNode
-from furuta_friction.friction_observer_node import FrictionObserverNode
 from furuta_model.parameters import declared
 from furuta_ros.testing import Bench
 
@@ -28,27 +24,6 @@ def test_every_parameter_is_described(bench: Bench, name: str) -> None:
         assert parameter.about.unit in descriptor.description
         assert descriptor.read_only == parameter.about.read_only
         assert parameter.checked(values[parameter.name]) == parameter.default
-
-
-@pytest.mark.parametrize(
-    ("values", "reason"),
-    [
-        ({"compensation": "magic"}, "none, coulomb, stiction, lugre, adaptive"),
-        ({"sample_time": 0.01}, "fixed at start: furuta run --set sample_time=0.01"),
-        ({"alpha0": 0.5, "sigma0": -1.0}, "sigma0"),
-    ],
-)
-def test_bad_change_is_rejected_as_a_whole(
-    bench: Bench, values: dict[str, Any], reason: str
-) -> None:
-    """The reason names the parameter, and nothing has changed, not even the valid part."""
-    node = bench.add(FrictionObserverNode())
-    before = node.parameters
-    client = ParameterClient(bench.probe, bench.executor)
-    with pytest.raises(ServiceError, match=reason):
-        client.set_all("friction_observer", values)
-    assert node.parameters == before
-    assert client.get("friction_observer", ["alpha0"])["alpha0"] == before.observer.friction.alpha0
 
 
 def test_a_rig_without_a_filter_is_refused(bench: Bench) -> None:

@@ -108,20 +108,3 @@ def test_choices(node: str) -> None:
         if each.about.choices:
             with pytest.raises(ParameterError, match=listed):
                 build(group, {each.name: "other"})
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"gain": [1.0, 2.0, 3.0]}, r"gain must be four numbers .* given \[1.0, 2.0, 3.0\]"),
-        ({"gain": [1.0, 2.0, 3.0, math.nan]}, "gain must be finite, given nan"),
-        ({"gain": "1234"}, "gain must be a list of numbers, given '1234'"),
-        ({"model.gamma": 0.0204}, r"alpha \* beta must exceed .* gamma = 0\.0204"),
-        ({"catch_angle": 0.8}, r"catch_angle must not exceed fall_angle, given 0\.8 > 0\.7"),
-        ({"mode": "swing_up", "voltage_limit": 0.0}, "mode swing_up needs a feedback that catches"),
-    ],
-)
-def test_contradictory_values_are_rejected(given: dict[str, Any], message: str) -> None:
-    """Values that are wrong only in combination are rejected too."""
-    with pytest.raises(ParameterError, match=message):
-        build(ControllerParameters, given)

@@ -139,20 +139,6 @@ def test_assignments(assignment: str, expected: dict[str, Any]) -> None:
     assert load_settings([], [assignment]) == default_settings() | expected
 
 
-@pytest.mark.parametrize(
-    ("assignment", "message"),
-    [
-        ("alpha0", "expected NAME=VALUE, given 'alpha0'"),
-        ("alfa0=1", "no parameter alfa0; did you mean alpha0"),
-        ("alpha0=", r"alpha0 must be a number, given None"),
-    ],
-)
-def test_assignments_that_are_wrong(assignment: str, message: str) -> None:
-    """A wrong assignment is refused with what to write instead."""
-    with pytest.raises(ParameterError, match=message):
-        load_settings([], [assignment])
-
-
 def test_simulated_time_in_a_file_is_reported(file: Any, caplog: pytest.LogCaptureFixture) -> None:
     """It is ignored, but not silently; false is what the nodes have anyway."""
     for value, warnings in (("false", 0), ("true", 1)):

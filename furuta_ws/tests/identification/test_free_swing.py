@@ -1,13 +1,11 @@
 """Free swings of the pendulum with a resting arm, as they are recorded."""
 
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import furuta
 from furuta.identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta.identification.options import Options
 from furuta.results import rig_models as results
@@ -69,21 +67,6 @@ def test_frequency_and_friction(found: FreeSwing) -> None:
     shown = results.FreeSwing(found).to_dict()
     assert shown["fit"]["swing"] > 98.0
     assert shown["usable"] != "no"
-
-
-def test_a_table_with_the_angle_alone(tmp_path: Path, found: FreeSwing) -> None:
-    """The arm is taken to be at rest, which is said."""
-    log = swing()
-    table = np.column_stack((log.time, log.measured[:, 2]))
-    file = tmp_path / "swing.csv"
-    np.savetxt(file, table, delimiter=",", header="Time,angle", comments="", fmt="%.6f")
-    alone = furuta.identify(furuta.read_recording(file, pendulum="angle", command="none"))
-    assert isinstance(alone, results.FreeSwing)
-    omega, error = frequency_and_error(alone.found)
-    assert omega == pytest.approx(frequency_and_error(found)[0], abs=error)
-    assert any("taken to be at rest" in text for text in alone.to_dict()["findings"])
-    with pytest.raises(ParameterError, match="name the joints"):
-        furuta.read_recording(file, pendulum="angle")
 
 
 @pytest.mark.long

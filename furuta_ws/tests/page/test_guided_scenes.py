@@ -10,7 +10,6 @@ from furuta_bringup.page.guided_scenes import (
 )
 from furuta_model.parameters import build, values
 
-COMPENSATION = "friction_observer.compensation"
 STEPS = [step for scene in scenes() for step in scene["steps"]]
 VALUES = {node: values(group) for node, group in parameters_of(default_settings()).items()}
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 
@@ -28,6 +29,18 @@ ANSWER_TIMEOUT = 10.0
 WIDTH = "200"  # of the terminal [characters]
 GRACE = 60.0
 STATUS_AGE = 0.05
+
+
+def commands(group: click.Group, *names: str) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+    """A group and all commands below it, with what one types for them."""
+    yield names, group
+    for name in group.list_commands(click.Context(group)):
+        each = group.get_command(click.Context(group), name)
+        assert each is not None
+        if isinstance(each, click.Group):
+            yield from commands(each, *names, name)
+        else:
+            yield (*names, name), each
 
 
 class Processes:
@@ -192,5 +205,17 @@ def furuta(
             signal.signal(number, handler)
         out, err = capfd.readouterr()
         return int(ended.value.code or 0), out, err.replace(f"{NOTICE}\n", "")
+
+    return run
+
+
+@pytest.fixture
+def answer(furuta: Callable[..., tuple[int, str, str]]) -> Callable[..., Any]:
+    """Run a verb that succeeds: its JSON."""
+
+    def run(*arguments: str | Path | float) -> Any:
+        status, out, err = furuta(*arguments, "--json")
+        assert status == 0, err
+        return json.loads(out)
 
     return run

@@ -1,17 +1,14 @@
 """Recording, replaying and identifying on the command line."""
 
-import json
 from pathlib import Path
 from time import monotonic
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from furuta_bringup.main import furuta as command_line
 from furuta_recordings.series_columns import COLUMNS
 from furuta_ros.node import deep
 from furuta_ros.topics import JOINT_STATES, MEASUREMENT
@@ -32,18 +29,18 @@ def recorded(furuta: Any, bag: Path) -> None:
         assert status == 0, err
 
 
-def test_info(furuta: Any, bag: Path) -> None:
+def test_info(answer: Any, bag: Path) -> None:
     """Messages, topics, types and the parameter file of a bag."""
-    result = json.loads(furuta("bag", "info", bag, "--json")[1])
+    result = answer("bag", "info", bag)
     assert result["messages"] == 10_002  # active_mode: off, then balance
     assert result["topics"]["/command"] == {"type": "std_msgs/msg/Float64", "messages": 2000}
     assert Path(result["parameters"]).is_file()
 
 
-def test_export_as_table(bag: Path, tmp_path: Path) -> None:
+def test_export_as_table(answer: Any, bag: Path, tmp_path: Path) -> None:
     """A row per measurement, every column of the graph, each sample with its own command."""
     table = tmp_path / "bag.csv"
-    result = json.loads(output("bag", "export", bag, "--out", table, "--json"))
+    result = answer("bag", "export", bag, "--out", table)
     assert result["rows"] == 2000
     header = table.read_text().splitlines()[0].split(",")
     assert header == result["columns"]
@@ -55,13 +52,6 @@ def test_export_as_table(bag: Path, tmp_path: Path) -> None:
     error = rows["applied_torque_v"][1:] - rows["command_v"][:-1]
     assert np.max(np.abs(error)) < 20 / 2**12
     assert np.max(np.abs(rows["true_phi_rad"] - rows["estimated_phi_rad"])) < 0.05
-
-
-def output(*arguments: str | Path) -> str:
-    """Standard output of a verb that succeeds."""
-    done = CliRunner().invoke(command_line, list(map(str, arguments)))
-    assert done.exit_code == 0, done.output
-    return done.output
 
 
 def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Path) -> None:
@@ -83,7 +73,7 @@ def test_replay_of_chosen_and_renamed_topics(bench: Any, processes: Any, bag: Pa
     assert stamps == sorted(stamps)
 
 
-def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
+def test_identify_from_a_table(furuta: Any, answer: Any, tmp_path: Path) -> None:
     """A table with other names, a hanging zero, and commands in separate rows."""
     series = tmp_path / "run.npz"
     furuta("simulate", "--ideal-sensors", "--seconds", "3", "--out", series)
@@ -100,10 +90,8 @@ def test_identify_from_a_table(furuta: Any, tmp_path: Path) -> None:
     file_out = tmp_path / "rig.yaml"
     names = ("--arm", "rotor", "--pendulum", "link", "--command", "/drive", "--zero", "hanging")
     picture = tmp_path / "model.png"
-    written = ("--write", file_out, "--figure", picture, "--json")
-    status, out, err = furuta("identify", table, *names, *written, "--laws")
-    assert status == 0, err
-    result = json.loads(out)
+    written = ("--write", file_out, "--figure", picture)
+    result = answer("identify", table, *names, *written, "--laws")
     assert result["a43"] == pytest.approx(33, rel=0.05)
     assert result["coulomb"] == pytest.approx(0.21, rel=0.05)
     assert result["fit"]["log.csv"]["arm_speed"] > 90
@@ -131,32 +119,6 @@ def test_an_unusable_model_is_not_written(furuta: Any, tmp_path: Path) -> None:
     assert "error: not usable: log.csv: fit of the arm" in err
 
 
-def test_bad_recordings_give_one_line(furuta: Any, tmp_path: Path, bag: Path) -> None:
-    empty = tmp_path / "empty"
-    empty.mkdir()
-    words = tmp_path / "words.csv"
-    words.write_text("just,words\nand,more\n")
-    picture = tmp_path / "log.png"
-    picture.write_bytes(b"\x89PNG\r\n\x1a\n\0")
-    states = tmp_path / "states"
-    types = get_typestore(Stores.ROS2_HUMBLE)
-    with Writer(states, version=8, storage_plugin=StoragePlugin.SQLITE3) as writer:
-        writer.add_connection("/x", "std_msgs/msg/Float64", typestore=types)
-    for arguments, reason in (
-        (["identify", tmp_path / "none.csv"], "no recording"),
-        (["identify", words], "no row of numbers"),
-        (["axis", "--identify", picture], "it is a picture"),
-        (["identify", bag, "--command", "nothing"], "no command nothing"),
-        (["bag", "info", empty], "not a readable bag"),
-        (["bag", "replay", bag, "--topic", "x"], "has no topic /x"),
-        (["bag", "export", states, "--out", tmp_path / "x.csv"], "sensor_msgs/msg/JointState"),
-    ):
-        status, out, err = furuta(*arguments)
-        assert (status, out) == (1, ""), arguments
-        assert reason in err
-        assert len(err.strip().splitlines()) == 1
-
-
 def written(path: Path, topic: str, data: bytes) -> Path:
     """A bag with one message."""
     types = get_typestore(Stores.ROS2_JAZZY)
@@ -175,8 +137,9 @@ def test_names_in_files_do_not_command_the_terminal(furuta: Any, tmp_path: Path)
 
 
 def test_a_message_of_another_type_is_not_replayed(furuta: Any, tmp_path: Path) -> None:
-    """One line names its topic."""
+    """One line names its topic, or one that is not there."""
     bag = written(tmp_path / "bag", "/command", bytes(1000))  # more than a Float64 has
-    status, _, err = furuta("bag", "replay", "--rate", "0", bag)
-    assert (status, len(err.splitlines())) == (1, 1), err
-    assert "cannot replay /command: " in err
+    for options, reason in ((), "cannot replay /command: "), (("--topic", "x"), "has no topic /x"):
+        status, _, err = furuta("bag", "replay", "--rate", "0", bag, *options)
+        assert (status, len(err.splitlines())) == (1, 1), err
+        assert reason in err

@@ -3,13 +3,13 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
 from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import Any, cast
 
 import click
 import pytest
+from processes.conftest import commands
 
 from furuta_bringup import main
 from furuta_bringup.graph.processes import executable
@@ -41,14 +41,10 @@ print(*sys.modules)
     assert not set(done.stdout.splitlines()[-1].split()) & never
 
 
-def test_demo_end_to_end(furuta: Any, tmp_path: Path) -> None:
+def test_demo_end_to_end(furuta: Any, answer: Any, tmp_path: Path) -> None:
     """The demo at reduced length: JSON, figure, bag and summary agree, and compensation helps."""
     out_dir = tmp_path / "demo"
-    status, out, err = furuta(
-        "demo", "--seconds", "8", "--set", "sample_time=0.002", "--out", out_dir, "--json"
-    )
-    assert status == 0, err
-    result = json.loads(out)
+    result = answer("demo", "--seconds", 8, "--set", "sample_time=0.002", "--out", out_dir)
     assert result == json.loads((out_dir / "summary.json").read_text().replace("NaN", "null"))
     names = [run["compensation"] for run in result["runs"]]
     assert names == ["none", "coulomb", "lugre", "tuned", "recommended"]
@@ -76,7 +72,6 @@ FAILED = {
     "simulate --rig my_rig.yml": "no rig file my_rig.yml",
     "simulate --set alpha0=21mV": "must be a number, given '21mV'; give it without a unit",
     "simulate --set alpha0=0,3": "given '0,3'; write a decimal point, not a comma",
-    "sweep alpha0=0.1-0.3": "expected NAME=LOW:HIGH[:COUNT]",
     "demo --out /proc/x": "cannot make the bag /proc/x/unfinished/bag",
     "simulate --compensation Lugre": "given 'Lugre'; did you mean lugre?",
     "simulate --compensation lugre --set compensation=none": "--compensation sets",
@@ -86,18 +81,16 @@ FAILED = {
     "limit-cycle --over law=1:2": "law is not a number",
     "run --plant hardware": "no port given",
     "run --lockstep --record /proc/x": "cannot make the bag /proc/x: /proc/x: No such file",
+    "run --lockstep --record /dev/null": "/dev/null already exists; name another directory",
     "hw check --port /dev/nothing": "cannot open /dev/nothing: No such file or directory; ",
     "param defaults observer": "; did you mean friction_observer?",
     "linearize --nyquist --feedback nan 1 1 1": "feedback[0] must be a finite number",
     "limit-cycle --over omega1=1:2 --over omega1=1:2": "two different parameters",
-    "tune --seconds 20 --json": "needs at least",
     "tune --running": "no node",
     "tune --set enabled=false --json": "the initial parameters are restored",
-    "swing-up --rig paper": "potentiometer_range must be at least",
     "compare --out mine.csv": "already exists",
     "sweep sigma1=1e9,2e9": "no run is possible",
-    "axis --inertia 1 --friction alpha=1 --pid 1 1 1": "NAME=VALUE",
-    "export c --set mode=off --out new": "controller.mode must be one of balance, swing_up",
+    "identify none.csv": "no recording",
 }
 MISUSED = {
     "simulat": "No such command 'simulat'; did you mean simulate?",
@@ -177,18 +170,6 @@ def test_a_fall_is_said(furuta: Any) -> None:
     first, _, table = out.replace("\n", " ").partition("mean nothing.")
     assert first.startswith("The pendulum fell after 0.862 s: alpha0, 21 V, exceeds the drive's 10")
     assert "fell                     yes" in table
-
-
-def commands(group: click.Group, *names: str) -> Iterator[tuple[tuple[str, ...], click.Command]]:
-    """A group and all commands below it, with what one types for them."""
-    yield names, group
-    for name in group.list_commands(click.Context(group)):
-        each = group.get_command(click.Context(group), name)
-        assert each is not None
-        if isinstance(each, click.Group):
-            yield from commands(each, *names, name)
-        else:
-            yield (*names, name), each
 
 
 @pytest.mark.parametrize(("names", "command"), list(commands(main.furuta)), ids=str)

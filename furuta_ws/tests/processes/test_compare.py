@@ -1,28 +1,19 @@
 """The verb ``compare``: its results, files, and nonsense."""
 
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 
-def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
+def test_truths_are_those_of_simulate(answer: Any, tmp_path: Path) -> None:
     """On the nominal rig, with a table, and with the ranking that the rows give."""
-    out = tmp_path / "named.csv"
-    status, text, err = furuta(
-        "compare", "--truths", "--seconds", "5", "--out", out, "--json",
-        "--candidate", "none", "--candidate", "mine=compensation=lugre,sigma0=100",
-    )  # fmt: skip
-    assert status == 0, err
-    simulated = json.loads(
-        furuta(
-            "simulate", "--seconds", "5", "--compensation", "lugre", "--json",
-            "--set", "friction_observer.sigma0=100",
-        )[1]
-    )  # fmt: skip
-    result = json.loads(text)
+    out, own = tmp_path / "named.csv", "mine=compensation=lugre,sigma0=100"
+    candidates = ("--candidate", "none", "--candidate", own)
+    result = answer("compare", "--truths", "--seconds", 5, "--out", out, *candidates)
+    lugre = ("--compensation", "lugre", "--set", "friction_observer.sigma0=100")
+    simulated = answer("simulate", "--seconds", 5, *lugre)
     assert len(result["rows"]) == 2 * 54
     size = simulated["phi_peak_to_peak_rad"]
     nominal = {"rig": "nominal", "candidate": "mine", "phi_peak_to_peak_rad": size}
@@ -40,17 +31,13 @@ def test_truths_are_those_of_simulate(furuta: Any, tmp_path: Path) -> None:
         assert worst[name] == (None if fell else largest), name
 
 
-def test_rigs_are_as_uncertain_as_the_file_says(furuta: Any, tmp_path: Path) -> None:
+def test_rigs_are_as_uncertain_as_the_file_says(answer: Any, tmp_path: Path) -> None:
     """What ``identify --write`` writes is enough; the table has the rigs' parameters."""
     parquet = pytest.importorskip("pyarrow.parquet")
     file, table = tmp_path / "mine.yaml", tmp_path / "a.parquet"
     file.write_text("uncertainty: {standard_errors: {alpha0: 0.001, beta: 0.002}}\n")
-    status, out, err = furuta(
-        "compare", "--rig", file, "--rigs", "4", "--seconds", "5", "--push", "2", "--json",
-        "--candidate", "lugre", "--out", table,
-    )  # fmt: skip
-    assert status == 0, err
-    (score,) = json.loads(out)["ranking"]
+    options = ("--rigs", 4, "--seconds", 5, "--push", 2, "--candidate", "lugre", "--out", table)
+    (score,) = answer("compare", "--rig", file, *options)["ranking"]
     assert (score["rigs"], score["falls"], score["pushes"]) == (4, 0, 4)
     rows = parquet.read_table(table).to_pylist()
     assert len(rows) == 8

@@ -1,6 +1,5 @@
 """``furuta export``, and a rig with the loop on board whose graph is killed."""
 
-import json
 import os
 import signal
 from pathlib import Path
@@ -31,15 +30,13 @@ JOINT = """
 """
 
 
-def test_files(furuta: Any, tmp_path: Path) -> None:
+def test_files(answer: Any, tmp_path: Path) -> None:
     """Names and sizes as printed; the header has parameters, units, and the rig's sources."""
     options = ("--rig", "qube_servo_2", "--set", "compensation=lugre", "--float")
-    status, out, err = furuta("export", "c", *options, "--out", tmp_path / "new", "--json")
-    assert status == 0, err
-    answer = json.loads(out)
-    files = list(map(Path, answer["files"]))
+    result = answer("export", "c", *options, "--out", tmp_path / "new")
+    files = list(map(Path, result["files"]))
     assert [file.name for file in files] == ["loop.h", "loop.c", "loop_test.c"]
-    assert answer["bytes"] == sum(file.stat().st_size for file in files)
+    assert result["bytes"] == sum(file.stat().st_size for file in files)
     header = " ".join(files[0].read_text().split())
     assert "Quanser Qube-Servo 2" in header and "compensation = lugre" in header
     assert "sigma0 = 80.0 V/rad: bristle stiffness" in header

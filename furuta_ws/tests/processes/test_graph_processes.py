@@ -17,7 +17,6 @@ from rosbags.highlevel import AnyReader
 from furuta.settings.nodes import graph_nodes
 from furuta.settings.settings import load_settings, loop
 from furuta_bringup.graph.graph_plan import GraphOptions, plan_graph
-from furuta_bringup.graph.processes import executable
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.bag import Bag
 from furuta_recordings.bags.recovery import recover
@@ -179,12 +178,3 @@ def test_a_plant_of_its_own_process_prints_its_counts(processes: Any) -> None:
     assert " samples, " in count
     assert "0.00% of " in on_time
     assert (latency.split()[0], lateness.split()[0]) == ("latency", "lateness")
-
-
-def test_recorder_refuses(processes: Any) -> None:
-    """With the reason in one line."""
-    recorder = executable("furuta_recordings", "recorder")
-    process = processes.start(recorder, "--ros-args", "-p", "directory:=/dev/null")
-    _, err = process.communicate(timeout=120.0)
-    reason = "error: /dev/null already exists; name another directory for the bag\n"
-    assert (process.returncode, err) == (1, reason)

@@ -1,6 +1,5 @@
 """``furuta hw`` and ``run --plant hardware`` as a user runs them."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,15 +12,15 @@ from furuta.settings.settings import read_file
 
 
 @pytest.mark.realtime
-def test_line_and_sensors(furuta: Any, emulate: Any) -> None:
+def test_line_and_sensors(answer: Any, emulate: Any) -> None:
     """Check, read and zero on an emulated rig, each as one JSON object; none drives."""
     rig = emulate("--initial", "theta=0.1")
-    checked = json.loads(furuta("hw", "check", "--port", rig.port, "--seconds", 1, "--json")[1])
+    checked = answer("hw", "check", "--port", rig.port, "--seconds", 1)
     assert checked["samples"] == 1000
     assert checked["corrupt"] == 0
-    read = json.loads(furuta("hw", "read", "--port", rig.port, "--seconds", 0.5, "--json")[1])
+    read = answer("hw", "read", "--port", rig.port, "--seconds", 0.5)
     assert read["theta_rad"] == pytest.approx(0.1, abs=0.003)
-    zero = json.loads(furuta("hw", "zero", "--port", rig.port, "--json")[1])
+    zero = answer("hw", "zero", "--port", rig.port)
     assert zero["pendulum.zero"] == pytest.approx(0.1 / 0.785 * 2048, abs=2)
     assert rig.status["driven"] == 0
 

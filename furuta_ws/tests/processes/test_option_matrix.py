@@ -7,7 +7,6 @@ A new option is covered by its declaration and its type. One that takes free tex
 import json
 import re
 import sys
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import click
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from processes.conftest import commands
 
 import furuta
 from furuta.results.table import Table
@@ -72,18 +72,7 @@ SLOW, NO_EFFECT = (
 )
 
 
-def commands(group: click.Command, *path: str) -> Iterator[tuple[str, click.Command]]:
-    """All commands, with what one types for them."""
-    if not isinstance(group, click.Group):
-        yield " ".join(path), group
-        return
-    for name in group.list_commands(click.Context(group)):
-        each = group.get_command(click.Context(group), name)
-        assert each is not None
-        yield from commands(each, *path, name)
-
-
-COMMANDS = dict(commands(main))
+COMMANDS = {" ".join(n): c for n, c in commands(main) if not isinstance(c, click.Group)}
 
 
 def options(name: str) -> dict[str, click.Option]:

@@ -3,12 +3,11 @@
 import json
 import signal
 import sys
-from importlib.util import module_from_spec, spec_from_file_location
 from typing import Any
 
 import numpy as np
 import pytest
-from sources import ROOT
+from sources import ROOT, loaded
 
 FOLDER = ROOT / "examples" / "robot_joint"
 H = 1e-4
@@ -17,12 +16,7 @@ H = 1e-4
 @pytest.fixture(scope="module")
 def robot() -> Any:
     """The module of the robot."""
-    spec = spec_from_file_location("robot", FOLDER / "robot.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return loaded(FOLDER / "robot.py")
 
 
 def energy(arm: Any, q: np.ndarray, v: np.ndarray) -> float:

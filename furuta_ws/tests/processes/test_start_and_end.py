@@ -90,10 +90,7 @@ def test_interrupt_during_the_start(processes: Any, command: tuple[str, ...], st
 
 def test_a_long_simulation_shows_its_progress_and_ends_at_once(processes: Any) -> None:
     """By Ctrl-C, on a terminal."""
-    terminal, inner = os.openpty()
-    command = [str(executable(*FURUTA)), "simulate", "--seconds", "20000"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=inner)
-    os.close(inner)
+    process, terminal = on_terminal("simulate --seconds 20000")
     shown = b""
     while b"simulating" not in shown:
         shown += os.read(terminal, 1000)
@@ -102,7 +99,18 @@ def test_a_long_simulation_shows_its_progress_and_ends_at_once(processes: Any) -
     while b"interrupted" not in shown:
         shown += os.read(terminal, 1000)
     os.close(terminal)
-    assert (process.returncode, out) == (130, b"")
+    assert (process.returncode, out) == (130, "")
+
+
+def on_terminal(command: str, folder: Path | None = None) -> tuple[subprocess.Popen[str], int]:
+    """A verb whose standard error is a terminal, and the other end of that."""
+    terminal, inner = os.openpty()
+    words = [str(executable(*FURUTA)), *command.split()]
+    with os.fdopen(inner) as error:
+        process = subprocess.Popen(
+            words, stdout=subprocess.PIPE, stderr=error, cwd=folder, text=True
+        )
+    return process, terminal
 
 
 def test_a_node_ends_while_it_starts(processes: Any) -> None:
@@ -129,15 +137,7 @@ SHOWN = {
 def test_a_terminal_shows_what_is_done(tmp_path: Path) -> None:
     """On standard error; in a pipe nothing."""
     for command, (expected, text) in SHOWN.items():
-        terminal, inner = os.openpty()
-        process = subprocess.Popen(
-            [str(executable(*FURUTA)), *command.split()],
-            stdout=subprocess.PIPE,
-            stderr=inner,
-            cwd=tmp_path,
-            text=True,
-        )
-        os.close(inner)
+        process, terminal = on_terminal(command, tmp_path)
         shown = b""
         with suppress(OSError):  # the end of a terminal
             while data := os.read(terminal, 1000):

@@ -1,18 +1,15 @@
 """The verb ``furuta swing-up``."""
 
-import json
 from typing import Any
 
 import pytest
 
 
 @pytest.mark.long
-def test_random_starts_and_knocks(furuta: Any) -> None:
+def test_random_starts_and_knocks(answer: Any) -> None:
     """A few starts are upright within the limits; after every push the pendulum swings up again."""
     starts = ("--starts", "5", "--rig", "qube_servo_2")
-    status, out, err = furuta("swing-up", *starts, "--knocks", "--json")
-    assert status == 0, err
-    report = json.loads(out)
+    report = answer("swing-up", *starts, "--knocks")
     assert (report["starts"], report["upright"], report["beyond_limits"]) == (5, 5, 0)
     assert 0.0 < report["median_s"] <= report["worst_s"] < 10.0
     assert (report["pushes"], report["falls"], report["swing_ups"]) == (5, 5, 5)

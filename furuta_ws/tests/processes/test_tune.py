@@ -1,6 +1,5 @@
 """``furuta tune`` as a user runs it."""
 
-import json
 import signal
 from collections.abc import Callable
 from pathlib import Path
@@ -35,14 +34,11 @@ def test_interrupted_tuning_restores_parameters(processes: Any, furuta: Furuta) 
     assert furuta("param", "get", "friction_observer", "compensation")[1].strip() == "coulomb"
 
 
-def test_tune_writes_a_parameter_file(furuta: Furuta, tmp_path: Path) -> None:
+def test_tune_writes_a_parameter_file(answer: Furuta, tmp_path: Path) -> None:
     """The result is better than the start, printed as JSON, written to a valid file, and drawn."""
     file, figure = tmp_path / "tuned.yaml", tmp_path / "tuned.png"
     given = "--set", "drive.delay=10", "--set", "compensation=lugre"
-    options = "--json", "--out", file, "--figure", figure
-    status, out, err = furuta("tune", "--seconds", "110", *given, *options)
-    assert status == 0, err
-    found = json.loads(out)
+    found = answer("tune", "--seconds", 110, *given, "--out", file, "--figure", figure)
     assert found["after"]["swing_rad"] < found["before"]["swing_rad"]
     assert found["pendulum_seconds"] <= 110
     assert found["trials"][0] == found["before"]

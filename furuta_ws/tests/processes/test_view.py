@@ -57,7 +57,6 @@ def started(processes: Any, *arguments: str) -> tuple[Any, str]:
     [
         (["--lockstp"], 2, "--lockstep"),
         (["--set", "sigma=80"], 1, "error: no parameter sigma; did you mean"),
-        (["--lockstep", "--set", "clock=realtime"], 1, "error: --lockstep sets plant.clock"),
     ],
 )
 def test_a_graph_that_cannot_start_is_told_before_any_address(

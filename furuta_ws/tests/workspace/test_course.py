@@ -2,7 +2,6 @@
 
 import ast
 import importlib
-import importlib.util
 import os
 import re
 import subprocess
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sources import ROOT
+from sources import ROOT, loaded
 
 import furuta
 
@@ -24,12 +23,7 @@ NAMES = sorted(path.stem for path in COURSE.glob("[1-9]_*.md"))
 
 def notebooks() -> ModuleType:
     """The script that makes the notebooks."""
-    spec = importlib.util.spec_from_file_location("notebooks", COURSE / "notebooks.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return loaded(COURSE / "notebooks.py")
 
 
 @pytest.mark.parametrize("name", NAMES)

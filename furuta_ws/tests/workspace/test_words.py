@@ -6,10 +6,11 @@ from typing import Any
 
 import click
 import pytest
+from processes.conftest import commands
 from sources import ROOT
 
 import furuta
-from furuta_bringup.main import furuta as commands
+from furuta_bringup.main import furuta as furuta_command
 
 TABLE = re.search(
     r"\| word \| meaning \| not \|\n\|---.*\n((?:\|.*\n)+)", (ROOT / "CONTRIBUTING.md").read_text()
@@ -25,17 +26,13 @@ def unwanted() -> list[str]:
     return [word for *_, words in rows for word in words.split(", ")]
 
 
-def texts_of(command: click.Command, context: click.Context) -> Iterator[str]:
-    """Help and values of a command and all below it."""
-    yield command.get_help(context)
-    for option in command.params:
-        if isinstance(option.type, click.Choice):
-            yield from map(str, option.type.choices)
-    if isinstance(command, click.Group):
-        for name in command.list_commands(context):
-            each = command.get_command(context, name)
-            assert each is not None
-            yield from texts_of(each, click.Context(each, info_name=name))
+def texts() -> Iterator[str]:
+    """Help and values of all commands."""
+    for names, command in commands(furuta_command):
+        yield command.get_help(click.Context(command, info_name=" ".join(names)))
+        for option in command.params:
+            if isinstance(option.type, click.Choice):
+                yield from map(str, option.type.choices)
 
 
 def words_in(values: Any) -> Iterator[str]:
@@ -59,7 +56,7 @@ def found_in(texts: Iterator[str]) -> list[str]:
 
 def test_help_has_the_words_of_the_table() -> None:
     assert len(unwanted()) > 10
-    assert not found_in(texts_of(commands, click.Context(commands)))
+    assert not found_in(texts())
 
 
 @pytest.mark.parametrize("gain", [None, [0.0, -7.0, -60.0, -20.0], [0.0, 0.0, -60.0, -20.0]])
