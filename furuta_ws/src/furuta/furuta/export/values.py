@@ -7,6 +7,7 @@ A number that is known when the code is generated selects what is generated: the
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from enum import IntEnum
 from typing import Any, NamedTuple
@@ -63,9 +64,9 @@ def _float_constants() -> dict[str, float]:
 
 
 # Words of C that can be names in Python.
-C_WORDS = frozenset(
-    "auto bool case char const default do double enum extern float goto inline int long register "
-    "restrict short signed sizeof static struct switch typedef union unsigned void volatile".split()
+C_WORDS = re.compile(
+    "auto|bool|case|char|const|default|do|double|enum|extern|float|goto|inline|int|long|register|"
+    "restrict|short|signed|sizeof|static|struct|switch|typedef|union|unsigned|void|volatile"
 )
 
 DOUBLE = Precision("double", "", "uint64_t", {})
@@ -82,7 +83,7 @@ class ExportError(ParameterError):
 
 def usable(name: str) -> str:
     """The name, unless C has another meaning for it."""
-    if name in C_WORDS:
+    if C_WORDS.fullmatch(name):
         raise ExportError(f"{name} is a word of C; rename it")
     return name
 
