@@ -101,17 +101,24 @@ class LateRig(NamedTuple):
     wrong: tuple[float, float]
 
 
+def about(r: np.random.Generator, value: float, error: float) -> float:
+    """A value that is off by up to an error."""
+    return float(value * r.uniform(1.0 - error, 1.0 + error))
+
+
+def about_body(r: np.random.Generator) -> tuple[float, float, float, float]:
+    """Coefficients of (1) that are nearly those of the file."""
+    alpha, beta, gamma, delta = (about(r, value, BODY_ERROR) for value in FurutaPendulum())
+    return alpha, beta, gamma, delta
+
+
 def random_rig(seed: int) -> LateRig:
     """The rig of a seed."""
     r = np.random.default_rng(seed)
-
-    def about(value: float, error: float) -> float:
-        return float(value * r.uniform(1.0 - error, 1.0 + error))
-
     law, level = int(r.integers(len(LAWS))), float(r.uniform(0.0, LARGEST_LEVEL))
     delay, lag = float(r.uniform(0.0, LARGEST_DELAY)), float(r.uniform(0.0, LARGEST_LAG))
     errors = 1.0 + FILE_ERROR * r.uniform(-1.0, 1.0, 2)
-    alpha, beta, gamma, delta = (about(value, BODY_ERROR) for value in FurutaPendulum())
+    body = about_body(r)
     known, more = Friction(), float(r.uniform(-ASYMMETRY, ASYMMETRY))
     more = more if LAWS[law] == "stiction" else 0.0
     friction = DryFriction(
@@ -119,9 +126,9 @@ def random_rig(seed: int) -> LateRig:
         forward=(1.0 + more) * level * known.alpha0,
         backward=(1.0 - more) * level * known.alpha0,
         added=level * known.alpha1,
-        stribeck_velocity=about(known.stribeck_velocity, FRICTION_ERROR),
-        stiffness=about(known.sigma0, FRICTION_ERROR),
-        damping=about(known.sigma1, FRICTION_ERROR),
+        stribeck_velocity=about(r, known.stribeck_velocity, FRICTION_ERROR),
+        stiffness=about(r, known.sigma0, FRICTION_ERROR),
+        damping=about(r, known.sigma1, FRICTION_ERROR),
     )
     belt = _random_belt(r) if seed % 2 else None
     name = f"{LAWS[law]} x {level:.2f}, {1e3 * delay:.1f} + {1e3 * lag:.1f} ms"
@@ -130,7 +137,7 @@ def random_rig(seed: int) -> LateRig:
         name += f", {belt.frequency:.0f} Hz, gap {1e3 * belt.gap:.1f} mrad, sensors on the {side}"
     return LateRig(
         name=name,
-        plant=two_masses((alpha, beta, gamma, delta), friction, belt, delay, lag, DT),
+        plant=two_masses(body, friction, belt, delay, lag, DT),
         elastic=belt is not None,
         level=level,
         right=(delay, lag),
@@ -174,6 +181,11 @@ class RigLoop:
     def apply(self, compensation: Compensation) -> None:
         """Set estimator, friction observer and controller between two samples."""
         self._system = design_control_system(*compensation)
+
+    @property
+    def presliding(self) -> float:
+        """The presliding that the recommended compensation has learned [rad]."""
+        return float(self._memory[0]["observer"]["predictive"]["learned"]["presliding"])
 
     def watch(self, seconds: float) -> np.ndarray:
         """Continue, and return the estimates (n, 5)."""
