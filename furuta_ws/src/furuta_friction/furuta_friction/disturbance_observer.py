@@ -7,7 +7,7 @@ r"""Observes the friction that acts now, from the arm's speed and the torque tha
 τ is the torque behind delay and lag of the drive, m a part of the friction that is modelled, and r
 the rest, which is observed with the bandwidth k [1/s]. The loop of this observer does not lead
 through the drive, so a late drive does not make it oscillate. s [V s] passes a low-pass filter with
-the rate 2k: between motor and arm a belt turns the phase by half a turn, and without the filter the
+the rate 3k: between motor and arm a belt turns the phase by half a turn, and without the filter the
 compensation would drive its vibration. A vibration that is sustained nevertheless reduces k
 (:mod:`furuta_friction.vibration`).
 """
@@ -35,7 +35,7 @@ from furuta_model.state import APPLIED_TORQUE, PHI, PHI_DOT, THETA, THETA_DOT
 
 # Gain of the integral relative to the square of the bandwidth; rate of the low-pass filter relative
 # to the bandwidth; most of the bandwidth in a sample.
-INTEGRAL, ROLL_OFF, LARGEST_STEP = 0.7, 2.0, 0.5
+INTEGRAL, ROLL_OFF, LARGEST_STEP = 0.7, 3.0, 0.5
 # Least bandwidth relative to the rate at which the body falls.
 FASTER_THAN_FALL = 4.0
 # Part of the bandwidth at the start of a compensation, so that it does not excite a vibration.
