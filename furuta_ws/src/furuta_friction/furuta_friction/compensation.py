@@ -77,7 +77,7 @@ ALL = (
     Compensator(
         "recommended",
         "Recommended",
-        "LuGre friction of a learned level when the command acts, plus the observed rest",
+        "friction of a learned level and presliding when the command acts, plus the observed rest",
         needs_observed_friction=True,
     ),
 )
