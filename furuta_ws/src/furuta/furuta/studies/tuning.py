@@ -205,13 +205,23 @@ class Tuner:
         return Trial(RECOMMENDED, scale, lag, presliding, changed)
 
     def _search(self) -> None:
-        """Try other settings, with one change at a time, until the swing is small enough."""
+        """Try other settings, with one change at a time, until the swing is small enough.
+
+        What is better with a smaller bandwidth may be elastic; what is worse, late.
+        """
         self._change(scale=SMALLER)
         self._try_none()
+        searches = self._keep_presliding, self._expect_lateness
+        for search in searches if self._best(RECOMMENDED).scale < 1.0 else reversed(searches):
+            search()
+
+    def _keep_presliding(self) -> None:
         learning = design_compensator(self._start.observer).predictive.learning
         middle = sqrt(learning.smallest * learning.largest)
         for presliding in (middle, learning.smallest, learning.largest):
             self._change(scale=SMALLER, presliding=presliding)
+
+    def _expect_lateness(self) -> None:
         for scale in LARGER:
             self._change(scale=scale)
         for lag in LAGS:
