@@ -62,6 +62,19 @@ def test_states(bench: Bench, permissive_rig: str, capfd: Any) -> None:
     assert (node.state, node.connection) == ("unconfigured", None)
 
 
+def test_stops_are_counted_since_the_start(bench: Bench, permissive_rig: str) -> None:
+    """Also those before the bridge was configured anew."""
+    node = bridge(bench, rig=permissive_rig, autostart="active")
+    Loop(bench, 1.0)
+    spin_samples(bench, node, 100)
+    assert arm(bench) == (True, "")
+    node.guarded_rig.stop("test")
+    for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_CLEANUP):
+        assert change(bench, transition)
+    assert change(bench, Transition.TRANSITION_CONFIGURE)
+    assert node.summary().endswith(" 1 stops")
+
+
 def test_a_transition_that_the_state_does_not_have(bench: Bench, capfd: Any) -> None:
     """It is refused with a warning: somebody was mistaken, the bridge is not at fault."""
     node = bridge(bench, autostart="active")

@@ -128,7 +128,9 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         limits = self.rig.limits
         if parameters.any_pendulum_angle:
             limits = limits._replace(pendulum_angle=pi)
+        stops = self.guard.stops
         self.guard = Guard(limits, self.rig.line.sample_time)
+        self.guard.stops = stops  # those since the start of the node
         self.guarded_rig = GuardedRig(connection, self.guard, self._report_end)
         self._timers_when_configured = [
             self.steady_timer(CHECK_PERIOD, self._check),
