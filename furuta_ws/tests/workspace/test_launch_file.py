@@ -1,10 +1,13 @@
 """What ``ros2 launch`` starts, and the launch files where ``launch`` is installed."""
 
 import ast
-import importlib.util
 import re
+import shutil
+import subprocess
+import sys
 from inspect import signature
 from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import pytest
@@ -29,12 +32,7 @@ def parameters(node: dict[str, Any]) -> dict[str, Any]:
 def entities(file: Path) -> list[Any]:
     """What a launch file describes, by ``launch`` itself."""
     pytest.importorskip("launch_ros")
-    specification = importlib.util.spec_from_file_location("launch_file", file)
-    assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    described: list[Any] = module.generate_launch_description().entities
+    described: list[Any] = run_path(str(file))["generate_launch_description"]().entities
     return described
 
 
@@ -113,3 +111,14 @@ def test_launch_file_with_launch_itself(file: Path, count: int) -> None:
     for argument in arguments:
         argument.visit(context)
     assert len(function.visit(context)) == count
+
+
+@pytest.mark.parametrize("file", [FILE, DISPLAY])
+def test_a_package_is_built_after_its_launch_file_has_run(tmp_path: Path, file: Path) -> None:
+    """Python leaves its bytecode in a folder beside the file; setuptools installs no folder."""
+    package = tmp_path / "package"
+    shutil.copytree(file.parents[1], package, ignore=shutil.ignore_patterns("test"))
+    (package / "launch" / "__pycache__").mkdir(exist_ok=True)
+    install = [sys.executable, "setup.py", "-q", "install_data", "--install-dir", str(tmp_path)]
+    subprocess.run(install, cwd=package, check=True, capture_output=True)
+    assert len(list(tmp_path.glob("share/*/launch/*"))) == 1
