@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from bridge_bench import PERMISSIVE_RIG, Loop, arm, bridge, change, driven, spin_samples
+from bridge_bench import PERMISSIVE_RIG, Loop, arm, ask, bridge, change, driven, spin_samples
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from rclpy.node import Node
 
 from furuta_hw.bridge.bridge_node import HardwareBridgeNode
@@ -59,6 +60,37 @@ def test_states(bench: Bench, permissive_rig: str, capfd: Any) -> None:
     assert "0 V: deactivated" in log
     assert change(bench, Transition.TRANSITION_CLEANUP)
     assert (node.state, node.connection) == ("unconfigured", None)
+
+
+def test_stops_are_counted_since_the_start(bench: Bench, permissive_rig: str) -> None:
+    """Also those before the bridge was configured anew."""
+    node = bridge(bench, rig=permissive_rig, autostart="active")
+    Loop(bench, 1.0)
+    spin_samples(bench, node, 100)
+    assert arm(bench) == (True, "")
+    node.guarded_rig.stop("test")
+    for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_CLEANUP):
+        assert change(bench, transition)
+    assert change(bench, Transition.TRANSITION_CONFIGURE)
+    assert node.summary().endswith(" 1 stops")
+
+
+def test_a_transition_that_the_state_does_not_have(bench: Bench, capfd: Any) -> None:
+    """It is refused with a warning: somebody was mistaken, the bridge is not at fault."""
+    node = bridge(bench, autostart="active")
+    for wrong, named in (
+        (Transition(id=Transition.TRANSITION_ACTIVATE), "3"),
+        (Transition(id=99), "99"),
+        (Transition(label="activate"), "'activate'"),
+    ):
+        request = ChangeState.Request(transition=wrong)
+        assert not ask(bench, ChangeState, "change_state", request).success
+        log = capfd.readouterr().err
+        assert f"no transition {named} while active; possible: deactivate, shutdown" in log
+        assert "ERROR" not in log
+    request = ChangeState.Request(transition=Transition(label="deactivate"))
+    assert ask(bench, ChangeState, "change_state", request).success
+    assert node.state == "inactive"
 
 
 def test_reports_whether_it_is_armed(bench: Bench, permissive_rig: str) -> None:

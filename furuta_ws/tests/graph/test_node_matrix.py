@@ -163,6 +163,7 @@ def test_what_is_saved_can_be_loaded(bench: Bench, node: FurutaNode[Any]) -> Non
     saved = [each.to_parameter_msg() for each in node._parameters.values()]
     # A type that ROS does not know, which would end the service of rclpy.
     wrong = ParameterMessage(name=saved[0].name, value=ParameterValue(type=77))
+    unknown = Parameter("psi", value=1.0).to_parameter_msg()
 
     def refusals(kind: Any, service: str, *given: Any) -> list[str]:
         client = bench.probe.create_client(kind, f"{node.get_name()}/{service}")
@@ -176,6 +177,8 @@ def test_what_is_saved_can_be_loaded(bench: Bench, node: FurutaNode[Any]) -> Non
         assert refusals(*service, *saved) == []
         (reason,) = refusals(*service, *saved[1:], wrong)
         assert "77 is not a valid" in reason
+        (reason,) = refusals(*service, *saved[1:], unknown)
+        assert reason == "undeclared parameter: psi"
 
 
 def test_only_the_bridge_of_this_graph_counts(bench: Bench) -> None:

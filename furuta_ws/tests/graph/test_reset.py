@@ -69,7 +69,8 @@ def test_a_state_is_set_and_told(ros: None) -> None:
         largest_angle(graph, 0.2)
         for wrong, reason in (
             ({"theta": 4.0}, "-3.14159"),
-            ({"psi": 0.1}, "no psi in a state"),
+            ({"psi": 0.1}, "a state has phi, phi_dot, theta, theta_dot, given ['psi']"),
+            ({"": 0.1}, "given ['']"),
             ({"theta": "up"}, "theta"),
         ):
             refused = set_state(**wrong)

@@ -2,13 +2,17 @@
 
 import ast
 import re
+import shutil
+import subprocess
+import sys
 from inspect import signature
 from pathlib import Path
+from runpy import run_path
 from typing import Any
 
 import pytest
 import yaml
-from sources import ROOT, SOURCES, loaded
+from sources import ROOT, SOURCES
 
 from furuta.settings.nodes import HARDWARE_BRIDGE, PLANT, graph_nodes
 from furuta_bringup.launching import launched_nodes
@@ -27,7 +31,7 @@ def parameters(node: dict[str, Any]) -> dict[str, Any]:
 def entities(file: Path) -> list[Any]:
     """What a launch file describes, by ``launch`` itself."""
     pytest.importorskip("launch_ros")
-    described: list[Any] = loaded(file).generate_launch_description().entities
+    described: list[Any] = run_path(str(file))["generate_launch_description"]().entities
     return described
 
 
@@ -91,3 +95,14 @@ def test_launch_file_with_launch_itself(file: Path, count: int) -> None:
     for argument in arguments:
         argument.visit(context)
     assert len(function.visit(context)) == count
+
+
+@pytest.mark.parametrize("file", [FILE, DISPLAY])
+def test_a_package_is_built_after_its_launch_file_has_run(tmp_path: Path, file: Path) -> None:
+    """Python leaves its bytecode in a folder beside the file; setuptools installs no folder."""
+    package = tmp_path / "package"
+    shutil.copytree(file.parents[1], package, ignore=shutil.ignore_patterns("test"))
+    (package / "launch" / "__pycache__").mkdir(exist_ok=True)
+    install = [sys.executable, "setup.py", "-q", "install_data", "--install-dir", str(tmp_path)]
+    subprocess.run(install, cwd=package, check=True, capture_output=True)
+    assert len(list(tmp_path.glob("share/*/launch/*"))) == 1

@@ -215,8 +215,10 @@ class FurutaNode(Node, Generic[Group]):
             name = self.resolve_topic_name(topic.name)
             if self.count_publishers(name) > 1:
                 ends = self.get_publishers_info_by_topic(name)
-                nodes = sorted(f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in ends)
+                known = [e for e in ends if e.node_name != UNKNOWN]
+                nodes = sorted(f"{e.node_namespace.rstrip('/')}/{e.node_name}" for e in known)
                 twice = "" if len(set(nodes)) == len(nodes) else TWICE
+                nodes += [NAMELESS] * (len(ends) - len(known))
                 return f"{len(nodes)} nodes publish {topic.name}: {' and '.join(nodes)}{twice}"
         return ""
 
@@ -323,6 +325,8 @@ class FurutaNode(Node, Generic[Group]):
 
 # Two publishers of the same node's name.
 TWICE = " (it runs twice, or one was killed: that one stays listed for up to 20 s)"
+# A publisher can be discovered before its node: the name that ROS then gives, and ours.
+UNKNOWN, NAMELESS = "_NODE_NAME_UNKNOWN_", "a node whose name is not known yet"
 
 
 def _data_and_info(data: bytes, info: dict[str, Any]) -> None:

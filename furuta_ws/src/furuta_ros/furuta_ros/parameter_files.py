@@ -113,10 +113,10 @@ def check_names(
     refused = sorted(n for n in unknown if n in own or n not in shared)
     if refused:
         raise ParameterError(
-            f"{name} has no parameter {_listed(refused)}; it has {', '.join(sorted(known))}"
+            f"{name} has no parameter {listed(refused)}; it has {', '.join(sorted(known))}"
         )
     return _missing_sections(every, node, name) + [
-        f"{name} has no parameter {_listed(ignored)}; ignored, because the section {section.key} "
+        f"{name} has no parameter {listed(ignored)}; ignored, because the section {section.key} "
         f"of {section.file} is for several nodes"
         for section in applied
         if (ignored := sorted(section.parameters.keys() & set(unknown)))
@@ -137,11 +137,12 @@ def _missing_sections(every: Sequence[Section], node: str, name: str) -> list[st
                 f"{node}; call the section {node} or /**/{name}"
             )
         if not matching:
-            warnings.append(f"{file} has no section for {node}, only for {_listed(keys)}")
+            warnings.append(f"{file} has no section for {node}, only for {listed(keys)}")
     return warnings
 
 
-def _listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str]) -> str:
+    """Names as a message shows them: each shortened, and only the first of many."""
     shown = [shortened(name)[1:-1] for name in names[:MOST_LISTED]]
     more = len(names) - len(shown)
     return ", ".join(shown) + (f" and {more} more" if more else "")

@@ -30,7 +30,7 @@ from furuta_model.accepted_parts import (
     parts_in,
 )
 from furuta_model.parameters import Declared, ParameterError, build, declared, shortened
-from furuta_ros.parameter_files import check_names, sections_given
+from furuta_ros.parameter_files import check_names, listed, sections_given
 from furuta_ros.process import ROS_ARGUMENTS
 from furuta_ros.yaml_files import parse_yaml
 
@@ -241,6 +241,10 @@ class FurutaParameterService(ParameterService):
         node = self._get_node()
         try:
             given = [Parameter.from_parameter_msg(message) for message in messages]
+            # rclpy refuses these too, but does not name them.
+            undeclared = [p.name for p in given if p.name and not node.has_parameter(p.name)]
+            if undeclared:
+                return _refused(f"undeclared parameter: {listed(undeclared)}")
             changes = [each for each in given if not _is_kept(node, each)]
             if given and not changes:
                 return SetParametersResult(successful=True)

@@ -10,7 +10,7 @@ from std_srvs.srv import Trigger
 
 from furuta_model.block import block
 from furuta_model.compiled import for_types_of
-from furuta_model.parameters import ParameterError, build
+from furuta_model.parameters import ParameterError, build, shortened
 from furuta_ros.node import LATCHED, QOS, FurutaNode, LoopPublisher, sender
 from furuta_ros.time_stamps import NANOSECONDS
 from furuta_ros.topics import GROUND_TRUTH, INITIAL_STATE, MEASUREMENT
@@ -168,5 +168,5 @@ def _state_of(parameters: Sequence[Any]) -> InitialState:
         raise ParameterError("a value has a type that ROS does not know") from None
     unknown = sorted(given.keys() - AT_REST)
     if unknown:
-        raise ParameterError(f"no {', '.join(unknown)} in a state; it has {', '.join(AT_REST)}")
+        raise ParameterError(f"a state has {', '.join(AT_REST)}, given {shortened(unknown)}")
     return build(InitialState, AT_REST | given)

@@ -43,7 +43,7 @@ class ParameterClient:
             raise ServiceError(self._rejection(node, values, response.result.reason))
 
     def _rejection(self, node: str, values: dict[str, Any], reason: str) -> str:
-        """Why a node rejected parameters; rclpy itself does not name an undeclared one."""
+        """Why a node rejected parameters, with a suggestion for each undeclared one."""
         unknown = self._unknown(node, list(values))
         if unknown and "undeclared" in reason:
             return unknown

@@ -75,12 +75,15 @@ class ServiceCaller:
             return self._clients[name]
 
     def _other_nodes(self, node: str) -> str:
-        """The nodes of this name in all namespaces, or else all that run."""
+        """The nodes of this name in all namespaces, or else all that run.
+
+        Names of hidden nodes, such as the daemon of ros2, begin with ``_``.
+        """
         bare = node.rpartition("/")[2]
         names = sorted(
             f"{namespace.rstrip('/')}/{name}"
             for name, namespace in self._node.get_node_names_and_namespaces()
-            if name != self._node.get_name()
+            if name != self._node.get_name() and not name.startswith("_")
         )
         same = [name for name in names if name.endswith(f"/{bare}")]
         if same:

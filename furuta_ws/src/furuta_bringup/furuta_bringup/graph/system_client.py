@@ -97,6 +97,8 @@ class BridgeClient:
         """Make one of :data:`TRANSITIONS`; nothing to do if the bridge is already there."""
         number = getattr(Transition, f"TRANSITION_{transition.upper()}")
         goal = TRANSITIONS[transition]
+        if self.state() == goal:
+            return
         request = ChangeState.Request(transition=Transition(id=number))
         if self._call("change_state", ChangeState, request).success:
             return

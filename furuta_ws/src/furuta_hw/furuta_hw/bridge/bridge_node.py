@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from diagnostic_msgs.msg import DiagnosticStatus
+from lifecycle_msgs.srv import ChangeState
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
 from rclpy.timer import Timer
@@ -23,7 +24,7 @@ from furuta_hw.errors import RigError
 from furuta_hw.guard import Guard
 from furuta_hw.rigs.rig import Rig
 from furuta_hw.rigs.rig_file import load_rig
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, shortened
 from furuta_ros.messages import RefusedError, value_of
 from furuta_ros.middleware import describe_discovery, reaches_network
 from furuta_ros.node import LATCHED, QOS, FurutaNode, sender
@@ -45,6 +46,9 @@ LOOP = (MEASUREMENT, JOINT_STATES, FRICTION_ESTIMATE, COMMAND)
 START_DELAY = 0.001  # [s] of spinning after which autostart takes effect
 
 Transition: TypeAlias = Callable[[LifecycleState], TransitionCallbackReturn]
+ChangeService: TypeAlias = Callable[
+    [ChangeState.Request, ChangeState.Response], ChangeState.Response
+]
 SUCCESS = TransitionCallbackReturn.SUCCESS
 FAILURE = TransitionCallbackReturn.FAILURE
 
@@ -65,7 +69,11 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         FurutaNode.__init__(self, "hardware_bridge", BridgeParameters, overrides)
         others = set(self.services)
         LifecycleNodeMixin.__init__(self)
-        self.guard_services(set(self.services) - others)
+        of_states = set(self.services) - others
+        for service in of_states:
+            if service.srv_type is ChangeState:
+                service.callback = self._if_possible(service.callback)
+        self.guard_services(of_states)
         self._callbacks = {id_: self._logged(call) for id_, call in self._callbacks.items()}
         reject_simulated_time(self, "a rig runs in real time")
         self.rig = Rig()
@@ -120,7 +128,9 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
         limits = self.rig.limits
         if parameters.any_pendulum_angle:
             limits = limits._replace(pendulum_angle=pi)
+        stops = self.guard.stops
         self.guard = Guard(limits, self.rig.line.sample_time)
+        self.guard.stops = stops  # those since the start of the node
         self.guarded_rig = GuardedRig(connection, self.guard, self._report_end)
         self._timers_when_configured = [
             self.steady_timer(CHECK_PERIOD, self._check),
@@ -188,6 +198,26 @@ class HardwareBridgeNode(LifecycleNodeMixin, FurutaNode[BridgeParameters]):
             except Exception as error:
                 self.failure = self.report_failure(transition.__name__, error)
                 return TransitionCallbackReturn.ERROR
+
+        return call
+
+    def _if_possible(self, change: ChangeService) -> ChangeService:
+        """The service that changes the state; rclpy raises an exception if that is impossible."""
+
+        @wraps(change)
+        def call(
+            request: ChangeState.Request, response: ChangeState.Response
+        ) -> ChangeState.Response:
+            wanted = request.transition.label or request.transition.id
+            possible = {each[:2] for each in self._state_machine.available_transitions}
+            if any(wanted in each for each in possible):
+                return change(request, response)
+            labels = ", ".join(sorted(label for _, label in possible)) or "none"
+            self.get_logger().warning(
+                f"no transition {shortened(wanted)} while {self.state}; possible: {labels}"
+            )
+            response.success = False
+            return response
 
         return call
 
