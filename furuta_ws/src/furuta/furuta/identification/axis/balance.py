@@ -49,6 +49,8 @@ BLOCK, FEWEST_BLOCKS, MANY, APART = 0.5, 2.0, 10**9, 0.25
 BY_CHANCE = 1e-3
 # Unknowns of a fit of the motion that are fitted only if the torques show them.
 TESTED = ("delay", "spring", *GRAVITY)
+# Part of a column that others do not explain, below which it is left out.
+INDEPENDENT = 0.02
 # Usual intervals from which two samples have a gap between them.
 GAP = 5.0
 
@@ -216,6 +218,8 @@ def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -
             groups = [group for group in groups if group in more]
         found = []
         for group in groups:
+            if not independent(rows, best.unknowns.keys, group):
+                continue
             wider = fitted_balance(rows, (*best.unknowns.keys, *group), scales, best.values)
             if chance_of(wider, group) < (BY_CHANCE if group in more else WAVE_BY_CHANCE):
                 found.append((wider.cost, group, wider))
@@ -223,6 +227,17 @@ def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -
             return best
         _, chosen, best = min(found, key=lambda each: each[0])
         groups.remove(chosen)
+
+
+def independent(rows: Rows, known: Sequence[Key], more: Sequence[Key]) -> bool:
+    """Whether further columns act differently from those that are fitted."""
+    basis, _ = np.linalg.qr(np.column_stack([rows.columns[key] for key in known]))
+    for key in more:
+        column = rows.columns[key]
+        left = column - basis @ (basis.T @ column)
+        if np.linalg.norm(left) < INDEPENDENT * np.linalg.norm(column):
+            return False
+    return True
 
 
 def covariance_with_missed(

@@ -6,6 +6,14 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from furuta.identification.axis.averaging import (
+    Averaged,
+    Candidate,
+    Model,
+    Neighbourhood,
+    neighbours,
+)
+from furuta.identification.axis.start import EARLIEST
 from furuta.identification.bodies.axis import Axis, wave
 from furuta.identification.bodies.body import Segments
 from furuta.identification.errors import inverse
@@ -20,7 +28,6 @@ from furuta.identification.least_squares import (
     linearised,
     projection,
 )
-from furuta.identification.selection import chance_of, tested
 from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, field_of
 
 # Unknowns that are one effect.
@@ -37,12 +44,13 @@ EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
 STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
 # speed in the Coulomb level, of friction per torque, and of any other effect in the usual torque.
-ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 1.0, 0.3, 30.0
+ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 0.3, 0.1, 1.0
 FALL = ("alpha1", "stribeck_velocity")
-# Factors about a fall that is known; searches for a fall, and the probability by chance above which
-# a wave is not tried again.
+# Factors about a fall that is known, and searches for a fall.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
-FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
+FALLS, MOST_FALLS = 3, 2
+# Most changes of the model, and logarithm of the evidence from which one is made.
+MOST_CHANGES, SURER = 15, 0.5
 # Stribeck velocity, relative to the usual speed, of a fall that is over at once, which is stiction,
 # and one that no recording tells from it.
 AT_ONCE, SHORT = 1e-6, 1e-3
@@ -56,7 +64,7 @@ HIDDEN = 4.0
 # Unknowns of which every segment with motion informs.
 SURE = ("inertia", "alpha0", "viscous")
 # Values that are never negative, and largest factor of a positive one in an iteration.
-LOWEST = {"delay": 0.0, "alpha0": 0.0, "alpha1": 0.0, "load_friction": 0.0}
+LOWEST = {"delay": EARLIEST, "alpha0": 0.0, "alpha1": 0.0, "load_friction": 0.0}
 POSITIVE, FACTOR = ("inertia", "stribeck_velocity"), 2.5
 # Friction in proportion to the torque of the drive. Where it is not found, it is taken to be
 # absent: moves at one torque do not tell it from the Coulomb level.
@@ -87,7 +95,7 @@ class Scales:
             "asymmetry": (0.1, ASYMMETRY),
             "alpha1": (self.level, effect),
             "stribeck_velocity": (max(values["stribeck_velocity"], 1e-9), 10.0 * self.speed),
-            "viscous_difference": (self.level / self.speed, effect / self.speed),
+            "viscous_difference": (self.level / self.speed, DRAG * self.level / self.speed),
             "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
             "load_friction": (0.05, LOAD),
@@ -116,10 +124,35 @@ def fitted(
 
 
 def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
-    """The fit with all effects that the segments support."""
-    best = _with_effects(cut, base, scales, drift)
-    if fall := _falling(cut, best, scales):
-        best = _with_effects(cut, fall, scales, drift)
+    """The most probable model that is found by single changes, each refitted."""
+    best, refused = base, set[frozenset[Key]]()
+    for _ in range(MOST_CHANGES):
+        _, candidates = about_models(cut, best, scales, drift)
+        open_ = [
+            each
+            for each in candidates
+            if each.evidence > SURER and frozenset(keys_of(best, each.model)) not in refused
+        ]
+        if not open_:
+            fall = None if best.values["alpha1"] else _falling(cut, best, scales)
+            if fall is None:
+                break
+            best = fall
+            continue
+        chosen = max(open_, key=lambda each: each.evidence)
+        keys, values = _without(best, [key for group in chosen.model.dropped for key in group])
+        keys += [key for group in chosen.model.added for key in group]
+        other = fitted(cut, keys, scales, values, best.state.first, COARSE)
+        if any(g[0] in LIKE_A_FALL for g in chosen.model.added) and not best.values["alpha1"]:
+            fall = _falling(cut, best, scales)
+            if fall and fall.cost < other.cost:
+                best = fall
+                continue
+        gained = 0.5 * (best.cost - other.cost) / best.inflation(SURE) + chosen.expected
+        if gained > 0.0:
+            best = other
+        else:
+            refused.add(frozenset(keys))
     if best.values["alpha1"] and best.values["stribeck_velocity"] < SHORT * scales.speed:
         velocity = AT_ONCE * scales.speed
         best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
@@ -127,41 +160,43 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
     return _reduced(cut, best, scales)
 
 
-def _with_effects(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Fit:
-    """The fit with all effects that act linearly and that the segments support."""
-    groups: list[Group] = [(name,) for name in (*smooth_effects(drift), LOADED)]
-    groups += wave_groups(scales)
-    groups = [group for group in groups if group[0] not in best.unknowns.keys]
-    hopeless: list[Group] = []
-    while True:
-        if len(waves_of(best)) >= MOST_WAVES:
-            groups, hopeless = [group for group in groups if len(group) == 1], []
-        chances, gains = _tested(cut, best, groups, scales)
-        significant = chances < [_allowed(group) for group in groups]
-        if not np.any(significant):
-            if not hopeless:
-                return best
-            groups, hopeless = hopeless, []
-            continue
-        chosen = groups[int(np.argmax(np.where(significant, gains, -1.0)))]
-        if chosen[0] in LIKE_A_FALL and not best.values["alpha1"]:
-            fall, other = _falling(cut, best, scales), _extended(cut, best, chosen, scales)
-            if fall and fall.cost < other.cost:
-                best = fall
-                continue
-        # A wave that is far from significant now is tried again only when nothing else is left.
-        kept = (chances < HOPELESS) | [len(group) == 1 for group in groups]
-        hopeless += [g for g, k in zip(groups, kept, strict=True) if g != chosen and not k]
-        groups = [g for g, k in zip(groups, kept, strict=True) if g != chosen and k]
-        wider = _extended(cut, best, chosen, scales)
-        sizes = [abs(wider.values[key]) for key in chosen]
-        if len(chosen) > 1 and max(sizes) < SMALLEST * scales.level:
-            continue
-        best = wider
-        if len(chosen) > 1:
-            other = _exchanged(cut, best, chosen, scales)
-            best = min(best, other, key=lambda each: each.cost)
-            best = _without_gravity(cut, best, best.unknowns.keys[-2:], scales)
+def keys_of(best: Fit, model: Model) -> list[Key]:
+    """The unknowns of a model."""
+    dropped = {key for group in model.dropped for key in group}
+    added = [key for group in model.added for key in group]
+    return [key for key in best.unknowns.keys if key not in dropped] + added
+
+
+def about_models(
+    cut: Segments, best: Fit, scales: Scales, drift: bool
+) -> tuple[Neighbourhood, list[Candidate]]:
+    """The models about a fit, by one step each."""
+    known = best.unknowns.keys
+    loads: list[Group] = [("spring",), GRAVITY, *map(wave, ORDERS)]
+    catalogue = [*loads, *((n,) for n in smooth_effects(drift)), (LOADED,)]
+    present = [group for group in catalogue if group[0] in known]
+    absent = [group for group in catalogue if group[0] not in known]
+    keys = (*known, *(key for group in absent for key in group))
+    about = _about(cut, best, keys, scales)
+    values = {**dict.fromkeys(keys, 0.0), **best.values}
+    unknowns = Unknowns(scales.unknown(key, values) for key in keys)
+    excess = unknowns.vector(values) / unknowns.all("size")
+    index = {key: number for number, key in enumerate(keys)}
+    there = Neighbourhood(about, index, len(known), excess, best.inflation(SURE), best.rms**2)
+    return there, [there.candidate(model) for model in neighbours(present, absent, loads)]
+
+
+def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Averaged:
+    """Covariance (p, p) in sizes over all models that explain the segments about as well."""
+    there, candidates = about_models(cut, best, scales, drift)
+    found = there.averaged(candidates)
+    if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
+        changed = {**best.values, "alpha1": best.values["alpha1"] + stiction_error(cut, best)}
+        problem = Problem(Axis(), cut, best.unknowns)
+        about = linearised(problem, evaluated(problem, changed, best.state.first))
+        shift = inverse(about.information) @ about.gradient
+        found = found._replace(covariance=found.covariance + np.outer(shift, shift))
+    return found
 
 
 def wave_groups(scales: Scales) -> list[Group]:
@@ -180,114 +215,19 @@ def _without(best: Fit, dropped: Iterable[Key]) -> tuple[list[Key], Values]:
     return keys, {**best.values, **dict.fromkeys(dropped, 0.0)}
 
 
-def _exchanged(cut: Segments, best: Fit, dropped: Sequence[Key], scales: Scales) -> Fit:
-    """The fit without some unknowns, but with the wave that then explains most."""
-    keys, values = _without(best, dropped)
-    problem = problem_of(cut, keys, scales, values)
-    without = best._replace(
-        unknowns=problem.unknowns, state=evaluated(problem, values, best.state.first)
-    )
-    others = [group for group in wave_groups(scales) if group[0] not in keys]
-    _, gains = _tested(cut, without, others, scales)
-    other = others[int(np.argmax(gains))]
-    return best if other == tuple(dropped) else _extended(cut, without, other, scales)
-
-
-def alike(cut: Segments, best: Fit, scales: Scales) -> dict[Key, str]:
-    """Amplitudes of waves in whose place a wave of another order explains as much, with a reason.
-
-    Over a short travel neighbouring orders look alike.
-    """
-    found: dict[Key, str] = {}
-    for own in waves_of(best):
-        keys, values = _without(best, own)
-        problem = problem_of(cut, keys, scales, values)
-        state = evaluated(problem, values, best.state.first)
-        without = best._replace(unknowns=problem.unknowns, state=state)
-        groups = [group for group in wave_groups(scales) if group == own or group[0] not in keys]
-        _, gains = _tested(cut, without, groups, scales)
-        least = gains[groups.index(own)] - HIDDEN * best.inflation(SURE)
-        others = [
-            g[0][1] for g, gain in zip(groups, gains, strict=True) if g != own and gain > least
-        ]
-        if others:
-            reason = f"a wave of order {' or '.join(map(str, others))} would explain as much"
-            found |= dict.fromkeys(own, reason)
-    return found
-
-
-def _without_gravity(cut: Segments, best: Fit, wave: Sequence[Key], scales: Scales) -> Fit:
-    """The fit with another wave instead of this one and gravity, if it explains as much.
-
-    Over a part of a turn they are alike.
-    """
-    if not set(GRAVITY) <= set(best.unknowns.keys) or scales.travel > 2.0 * np.pi:
-        return best
-    other = _exchanged(cut, best, (*wave, *GRAVITY), scales)
-    return other if other.cost < best.cost + HIDDEN * best.inflation(SURE) else best
-
-
-def _allowed(group: Sequence[Key]) -> float:
-    return BY_CHANCE if len(group) == 1 else WAVE_BY_CHANCE
-
-
 def _reduced(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The fit without the effects that are not significant after all.
-
-    One without which the fit ends in a much worse optimum stays.
-    """
-    for group in (*((name,) for name in (*smooth_effects(True), LOADED)), *waves_of(best)):
-        if group[0] in best.unknowns.keys and chance_of(best, group) > _allowed(group):
-            keys, values = _without(best, group)
-            without = fitted(cut, keys, scales, values, best.state.first)
-            best = best if _gained(without, best) else without
+    """The fit without a fall of friction that is not significant after all."""
     if best.values["alpha1"]:
-        keys = [key for key in best.unknowns.keys if key not in FALL]
-        values = {**best.values, "alpha1": 0.0}
+        keys, values = _without(best, FALL)
         without = fitted(cut, keys, scales, values, best.state.first)
         best = best if _gained(without, best) else without
     return best
-
-
-def _extended(cut: Segments, best: Fit, more: Sequence[Key], scales: Scales) -> Fit:
-    keys = (*best.unknowns.keys, *more)
-    return fitted(cut, keys, scales, best.values, best.state.first, COARSE)
-
-
-def _tested(
-    cut: Segments, best: Fit, groups: Sequence[Group], scales: Scales
-) -> tuple[np.ndarray, np.ndarray]:
-    """Probability by chance (g,) of further effects, and the decreases of the squares (g,)."""
-    if not groups:
-        return np.zeros(0), np.zeros(0)
-    known, more = best.unknowns.keys, [key for group in groups for key in group]
-    about = _about(cut, best, (*known, *more), scales)
-    rows = [[len(known) + more.index(key) for key in group] for group in groups]
-    return tested(about, range(len(known)), rows)
 
 
 def _about(cut: Segments, best: Fit, keys: Sequence[Key], scales: Scales) -> Linearised:
     """The problem about a fit with other unknowns."""
     values = {**dict.fromkeys(keys, 0.0), **best.values}
     return linearised(problem_of(cut, keys, scales, values), best.state._replace(values=values))
-
-
-def covariance_with_missed(cut: Segments, best: Fit, scales: Scales, drift: bool) -> np.ndarray:
-    """Covariance (p, p) of the unknowns in their sizes, with what is not in the model.
-
-    An effect that was not found may be there: how its best value would change the others is part of
-    their error, and so is how uncertain that value is.
-    """
-    covered, known, inflation = best.covariance, best.unknowns.keys, best.inflation(SURE)
-    for name in smooth_effects(drift):
-        if name in known:
-            continue
-        about = _about(cut, best, (*known, name), scales)
-        inverted = inverse(about.information)
-        shift = (inverted @ about.gradient)[:-1]
-        wider = inverted[:-1, :-1] - inverse(about.information[:-1, :-1])
-        covered = covered + np.outer(shift, shift) + inflation * wider
-    return covered
 
 
 def smooth_effects(drift: bool) -> tuple[str, ...]:

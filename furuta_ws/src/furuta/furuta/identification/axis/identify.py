@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.axis.averaging import described
 from furuta.identification.axis.balance import Balance, balanced
 from furuta.identification.axis.effects import (
     ALWAYS,
@@ -16,8 +17,7 @@ from furuta.identification.axis.effects import (
     SURE,
     Group,
     Scales,
-    alike,
-    covariance_with_missed,
+    averaged_errors,
     fitted,
     largest_hidden_fall,
     stiction_error,
@@ -133,7 +133,7 @@ def identify_axis(
     if torques is not None:
         base = _from_torques(cut, base, torques.fit, scales)
     sensor = _noise(cut)
-    part = base.rms * sensor / _forced_motion(cut)
+    part = unexplained(base.rms, base.rms * sensor / _forced_motion(cut))
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
         cut = _reweighted(cut, base)
         base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
@@ -148,7 +148,8 @@ def identify_axis(
         if best.values["delay"] > LONG_DELAY:
             prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
             best = min(best, prompt, key=lambda each: each.cost)
-    part = best.rms * _noise(cut) / _forced_motion(cut)
+    left = best.rms * _noise(cut)
+    part = unexplained(left / sensor, left / _forced_motion(cut))
     report("computing standard errors")
     if part <= USELESS_PART:
         return _result(ready, cut, best, scales, sensor)
@@ -160,6 +161,11 @@ def identify_axis(
             "and clock of the torque"
         )
     return _result(ready, cut, best, scales, sensor)
+
+
+def unexplained(noises: float, part: float) -> float:
+    """The part of the motion that is left over; 0 where that is no more than noise."""
+    return part if noises > EXPLAINED else 0.0
 
 
 def _reweighted(cut: Segments, best: Fit) -> Segments:
@@ -297,13 +303,15 @@ def _result(
     if torques is not None:
         best, covered, part = torques
     else:
-        covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
+        covered, rivals = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
     values, errors, undetermined = reported_values(best, covered)
+    if torques is None:
+        for key, rival in zip(best.unknowns.keys, rivals, strict=True):
+            if rival is not None and name_of(key) in undetermined:
+                why = undetermined[name_of(key)].removesuffix(NOT_DISTINGUISHABLE)
+                undetermined[name_of(key)] = why + described(rival)
     one_way = _one_way(recordings, best, covered)
     undetermined |= one_way
-    if torques is None:
-        alternatives = alike(cut, best, scales).items()
-        undetermined = {name_of(key): reason for key, reason in alternatives} | undetermined
     values, errors = (
         {name: value for name, value in each.items() if name not in undetermined}
         for each in (values, errors)
@@ -321,19 +329,23 @@ def _result(
                 f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
                 "alpha0 would not show"
             )
-    if "inertia" in undetermined:
+    if not {"inertia", "alpha0", "viscous"} & set(values):
         raise ParameterError(
-            f"{recordings[0].name}: the inertia is not determined: {undetermined['inertia']}; "
-            "record a motion that accelerates"
+            f"{recordings[0].name}: neither inertia nor friction is determined: inertia "
+            f"{undetermined['inertia']}; record a motion that accelerates and reverses"
         )
     noises = left / sensor if torques is None else np.inf
     moved = f"motion, {noises:.1f} times the noise of the position"
-    of, relative = moved if torques is None else "torque", errors["inertia"] / values["inertia"]
+    of = moved if torques is None else "torque"
+    relative = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
     doubts = list(doubts_of(best, noises, part, relative, of))
     if one_way:
         doubts.append((DOUBTFUL, "the axis slides in one direction only: record reversals"))
     verdict = Verdict.of(doubts)
     findings = findings_of(recordings)
+    if values.get("delay", 0.0) < 0.0:
+        late = -1e3 * values["delay"]
+        findings.append(f"{recordings[0].name}: the torque is recorded {late:.2g} ms after it acted")
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
         undetermined["delay"] = "taken as 0, and its possible effect is part of the errors"
@@ -413,7 +425,9 @@ def doubts_of(
     segments, unknown = best.segments, len(best.unknowns)
     if segments < FEWEST_SEGMENTS * unknown:
         yield DOUBTFUL, f"{segments} segments for {unknown} unknowns: record for longer"
-    if inertia_error > LARGEST_ERROR:
+    if not np.isfinite(inertia_error):
+        yield DOUBTFUL, "the inertia is not determined: record a motion that accelerates"
+    elif inertia_error > LARGEST_ERROR:
         yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
 
 
