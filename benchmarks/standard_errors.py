@@ -171,7 +171,7 @@ def main() -> None:
         for each in pool.imap(STUDIES[given.study], seeds):
             found.append(each)
             off = " ".join(f"{name}:{value:.1f}" for name, value in each.off.items())
-            print(f"{each.seed} {each.usable} [{', '.join(each.groups)}] {off}", flush=True)
+            print(f"{each.seed} {each.usable} {each.seconds:.1f} s [{', '.join(each.groups)}] {off}", flush=True)
             if each.reasons:
                 print(f"    {each.reasons}", flush=True)
     print_tables(found)

@@ -35,6 +35,8 @@ HARMONIC = sum(1.0 / n for n in ORDERS)
 LOADED = "load_friction"
 # Largest Occam factor in the errors: effects of any size are as probable, over e decades.
 DECADES = 1.0
+# Part of the squares that one linear step surely leaves.
+LEAST = 1e-3
 # Smallest weight of a model that counts.
 NEGLIGIBLE = 1e-4
 # Parts of a normal distribution beyond two and beyond four standard errors, the latter as often as
@@ -82,6 +84,14 @@ def neighbours(
             yield Model(dropped, (group,))
 
 
+def explained_by(before: float, after: float, inflation: float) -> float:
+    """Logarithm of the evidence that a cost becomes another one, with a noise of any size.
+
+    Squares of so much ``inflation`` are those of independent residuals.
+    """
+    return float(-0.5 * before / inflation * np.log(max(after / before, LEAST)))
+
+
 class Candidate(NamedTuple):
     """A model: its step (P,), and the logarithm of its evidence against the best fit.
 
@@ -110,6 +120,7 @@ class Neighbourhood(NamedTuple):
     excess: np.ndarray
     inflation: float
     variance: float
+    cost: float
 
     def candidate(self, model: Model) -> Candidate:
         """One Gauss-Newton step to a model."""
@@ -141,7 +152,8 @@ class Neighbourhood(NamedTuple):
         scores = about.scores if gain < 0.0 else about.scores - about.blocks @ step
         size = max(float(step @ about.information @ step), 1e-300)
         inflation = max(self.inflation, float(np.sum((scores @ step) ** 2)) / size)
-        return Candidate(model, step, 0.5 * gain / inflation, expected, smaller)
+        explained = explained_by(self.cost, self.cost - gain, inflation)
+        return Candidate(model, step, explained, expected, smaller)
 
     def _occam(self, group: Group, inverted: np.ndarray) -> float:
         """Half the logarithm of how much the segments narrow what was expected of an effect."""

@@ -17,6 +17,7 @@ from furuta.identification.axis.effects import (
     FALL,
     GRAVITY,
     MOST_WAVES,
+    STRIBECK,
     WAVE_BY_CHANCE,
     Group,
     Scales,
@@ -56,11 +57,15 @@ GAP = 5.0
 
 
 class Balance(NamedTuple):
-    """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque."""
+    """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque.
+
+    ``start`` are the values with a fall of friction, if that explains more.
+    """
 
     fit: Fit
     covariance: np.ndarray
     part: float
+    start: Values
 
 
 class Rows(NamedTuple):
@@ -85,7 +90,11 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
         return None
 
     def columns(windows: Windows, recording: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
-        return torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+        found = torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+        for relative in STRIBECK[1:]:
+            fallen = np.exp(-((part.speed / (relative * scales.speed)) ** 2))
+            found[FALL[0], relative] = found["alpha0"] * windows.mean(fallen)
+        return found
 
     length = max(window_length(recording) for recording in recordings)
     rows = sliding_rows(recordings, length, columns)
@@ -100,7 +109,19 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     values = {**about.values, **dict.fromkeys(absent, 0.0)}
     best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, groups)
     covered = covariance_with_missed(rows, best, scales, [("delay",), *groups])
-    return Balance(best, covered, left_over(rows, best))
+    return Balance(best, covered, left_over(rows, best), _with_fall(rows, best, scales))
+
+
+def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
+    """The values of the fit, with the fall of friction that explains most, if one does."""
+    found = best
+    for relative in STRIBECK[1:]:
+        columns = rows.columns | {FALL[0]: rows.columns[FALL[0], relative]}
+        values = {**best.values, FALL[1]: relative * scales.speed}
+        keys = (*best.unknowns.keys, FALL[0])
+        other = fitted_balance(rows._replace(columns=columns), keys, scales, values)
+        found = other if other.values[FALL[0]] > 0.0 and other.cost < found.cost else found
+    return found.values
 
 
 def left_over(rows: Rows, best: Fit) -> float:

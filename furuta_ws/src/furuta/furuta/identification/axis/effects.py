@@ -11,6 +11,7 @@ from furuta.identification.axis.averaging import (
     Candidate,
     Model,
     Neighbourhood,
+    explained_by,
     neighbours,
 )
 from furuta.identification.axis.start import EARLIEST
@@ -148,7 +149,7 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
             if fall and fall.cost < other.cost:
                 best = fall
                 continue
-        gained = 0.5 * (best.cost - other.cost) / best.inflation(SURE) + chosen.expected
+        gained = explained_by(best.cost, other.cost, best.inflation(SURE)) + chosen.expected
         if gained > 0.0:
             best = other
         else:
@@ -182,7 +183,8 @@ def about_models(
     unknowns = Unknowns(scales.unknown(key, values) for key in keys)
     excess = unknowns.vector(values) / unknowns.all("size")
     index = {key: number for number, key in enumerate(keys)}
-    there = Neighbourhood(about, index, len(known), excess, best.inflation(SURE), best.rms**2)
+    noise = best.inflation(SURE), best.rms**2, best.cost
+    there = Neighbourhood(about, index, len(known), excess, *noise)
     return there, [there.candidate(model) for model in neighbours(present, absent, loads)]
 
 
@@ -256,8 +258,9 @@ def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
 
 
 def _gained(without: Fit, wider: Fit) -> bool:
-    """Whether squares decrease by more than chance explains."""
-    return bool(np.exp(0.5 * (wider.cost - without.cost) / wider.inflation(SURE)) < BY_CHANCE)
+    """Whether a fall is more probable than none: one of those that are tried is as probable."""
+    tried = float(np.log(len(STRIBECK) * len(EXCESSES)))
+    return explained_by(without.cost, wider.cost, without.inflation(SURE)) > tried
 
 
 def _projection(cut: Segments, best: Fit) -> Callable[[Values], np.ndarray]:

@@ -131,7 +131,7 @@ def identify_axis(
     base, scales = _first_fit(ready, cut)
     torques = balanced(ready, base, scales) if base.rms > POOR else None
     if torques is not None:
-        base = _from_torques(cut, base, torques.fit, scales)
+        base = _from_torques(cut, base, torques, scales)
     sensor = _noise(cut)
     part = unexplained(base.rms, base.rms * sensor / _forced_motion(cut))
     for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
@@ -185,18 +185,22 @@ def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit
     return fitted(cut, dict.fromkeys(keys), scales, best.values, best.state.first)
 
 
-def _from_torques(cut: Segments, base: Fit, torques: Fit, scales: Scales) -> Fit:
+def _from_torques(cut: Segments, base: Fit, torques: Balance, scales: Scales) -> Fit:
     """A fit from the values that balance the torques, if it explains the motion better.
 
     They are found without a start, and with the effects that the torques show.
     """
-    if torques.values["inertia"] <= 0.0:
-        return base
-    keys = dict.fromkeys((*base.unknowns.keys, *torques.unknowns.keys))
-    values = {**torques.values, "delay": base.values["delay"]}
-    values["alpha0"] = max(values["alpha0"], 0.0)
-    other = fitted(cut, keys, scales, values, enough=COARSE)
-    return min(base, other, key=lambda each: each.cost)
+    for start in (torques.fit.values, torques.start):
+        if start["inertia"] <= 0.0:
+            continue
+        keys = dict.fromkeys((*base.unknowns.keys, *torques.fit.unknowns.keys))
+        keys |= dict.fromkeys(FALL if start["alpha1"] else ())
+        values = {**start, "delay": base.values["delay"], "alpha0": max(start["alpha0"], 0.0)}
+        other = fitted(cut, keys, scales, values, enough=COARSE)
+        base = min(base, other, key=lambda each: each.cost)
+        if start is torques.start:
+            break
+    return base
 
 
 def _prepared(recording: Recording) -> Recording:
@@ -301,7 +305,7 @@ def _result(
     part, covered = left / _forced_motion(cut), best.covariance
     hidden = largest_hidden_fall(cut, best, scales)
     if torques is not None:
-        best, covered, part = torques
+        best, covered, part, _ = torques
     else:
         covered, rivals = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
     values, errors, undetermined = reported_values(best, covered)
