@@ -52,10 +52,16 @@ class Model(NamedTuple):
 
 
 class Averaged(NamedTuple):
-    """Covariance (p, p) in sizes, and the model that contradicts each unknown most (p,), if any."""
+    """Covariance (p, p) in sizes, and the model that contradicts each unknown most (p,), if any.
+
+    ``stiction`` is the standard error of friction that falls at once, if it does, ``load`` the
+    largest friction under load that would not show.
+    """
 
     covariance: np.ndarray
     rivals: list[Model | None]
+    stiction: float = 0.0
+    load: float = 0.0
 
 
 def described(model: Model) -> str:
@@ -154,6 +160,16 @@ class Neighbourhood(NamedTuple):
         inflation = max(self.inflation, float(np.sum((scores @ step) ** 2)) / size)
         explained = explained_by(self.cost, self.cost - gain, inflation)
         return Candidate(model, step, explained, expected, smaller)
+
+    def hidden_load(self) -> float:
+        """Largest friction under load that would not show, in its size."""
+        if self.index[LOADED] < self.count:
+            return 0.0
+        rows, _ = _rows(self.index, self.count, Model((), ((LOADED,),)))
+        k = rows.index(self.index[LOADED])
+        inverted = inverse(self.about.information[np.ix_(rows, rows)])
+        largest = inverted[k] @ self.about.gradient[rows]
+        return float(largest + 2.0 * np.sqrt(inverted[k, k] * self.inflation))
 
     def _occam(self, group: Group, inverted: np.ndarray) -> float:
         """Half the logarithm of how much the segments narrow what was expected of an effect."""

@@ -12,6 +12,7 @@ from furuta.identification.axis.averaging import (
     Model,
     Neighbourhood,
     explained_by,
+    mixture_errors,
     neighbours,
 )
 from furuta.identification.axis.start import EARLIEST
@@ -46,6 +47,8 @@ STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
 # speed in the Coulomb level, of friction per torque, and of any other effect in the usual torque.
 ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 0.3, 0.1, 1.0
+# Usual change of friction per torque.
+SIZE_OF_LOAD = 0.05
 FALL = ("alpha1", "stribeck_velocity")
 # Factors about a fall that is known, and searches for a fall.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
@@ -99,7 +102,7 @@ class Scales:
             "viscous_difference": (self.level / self.speed, DRAG * self.level / self.speed),
             "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
-            "load_friction": (0.05, LOAD),
+            "load_friction": (SIZE_OF_LOAD, LOAD),
         }.get(field, (self.level, effect))
         factor = FACTOR if field in POSITIVE else np.inf
         return Unknown(key, LOWEST.get(field, -np.inf), spread=spread, size=size, factor=factor)
@@ -154,11 +157,8 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
             best = other
         else:
             refused.add(frozenset(keys))
-    if best.values["alpha1"] and best.values["stribeck_velocity"] < SHORT * scales.speed:
-        velocity = AT_ONCE * scales.speed
-        best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
-    return _reduced(cut, best, scales)
+    return _with_best_fall(cut, best, scales) if best.values["alpha1"] else best
 
 
 def keys_of(best: Fit, model: Model) -> list[Key]:
@@ -189,16 +189,27 @@ def about_models(
 
 
 def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Averaged:
-    """Covariance (p, p) in sizes over all models that explain the segments about as well."""
+    """Covariance (p, p) in sizes over all models that explain the segments about as well.
+
+    Of friction that falls at once, ``stiction`` is the standard error.
+    """
     there, candidates = about_models(cut, best, scales, drift)
-    found = there.averaged(candidates)
-    if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
-        changed = {**best.values, "alpha1": best.values["alpha1"] + stiction_error(cut, best)}
-        problem = Problem(Axis(), cut, best.unknowns)
-        about = linearised(problem, evaluated(problem, changed, best.state.first))
-        shift = inverse(about.information) @ about.gradient
-        found = found._replace(covariance=found.covariance + np.outer(shift, shift))
-    return found
+    found = there.averaged(candidates)._replace(load=SIZE_OF_LOAD * there.hidden_load())
+    if not best.values["alpha1"]:
+        return found
+    covariance, errors = found.covariance, fall_errors(cut, best, scales)
+    if "alpha1" in best.unknowns.keys:
+        rows = [best.unknowns.keys.index(name) for name in FALL]
+        wider = np.ones(len(covariance))
+        known = np.sqrt(np.diag(covariance))[rows] * best.unknowns.all("size")[rows]
+        wider[rows] = np.maximum(errors / known, 1.0)
+        return found._replace(covariance=covariance * np.outer(wider, wider))
+    changed = {**best.values, "alpha1": best.values["alpha1"] + float(errors[0])}
+    problem = Problem(Axis(), cut, best.unknowns)
+    about = linearised(problem, evaluated(problem, changed, best.state.first))
+    shift = inverse(about.information) @ about.gradient
+    covariance = covariance + np.outer(shift, shift)
+    return found._replace(covariance=covariance, stiction=float(errors[0]))
 
 
 def wave_groups(scales: Scales) -> list[Group]:
@@ -217,13 +228,16 @@ def _without(best: Fit, dropped: Iterable[Key]) -> tuple[list[Key], Values]:
     return keys, {**best.values, **dict.fromkeys(dropped, 0.0)}
 
 
-def _reduced(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The fit without a fall of friction that is not significant after all."""
-    if best.values["alpha1"]:
-        keys, values = _without(best, FALL)
-        without = fitted(cut, keys, scales, values, best.state.first)
-        best = best if _gained(without, best) else without
-    return best
+def _with_best_fall(cut: Segments, best: Fit, scales: Scales) -> Fit:
+    """The fit with the best fall of all velocities, or without one if that is as probable."""
+    best = _other_falls(cut, best, scales)
+    if best.values["stribeck_velocity"] < SHORT * scales.speed:
+        velocity = AT_ONCE * scales.speed
+        best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
+    best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
+    keys, values = _without(best, FALL)
+    without = fitted(cut, keys, scales, values, best.state.first, COARSE)
+    return best if _gained(without, best) else without
 
 
 def _about(cut: Segments, best: Fit, keys: Sequence[Key], scales: Scales) -> Linearised:
@@ -243,18 +257,26 @@ def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
     It acts not linearly, and on few segments: several falls are tried, and compared by their
     squares, which count less by how far the residuals are from white noise.
     """
+    keys, values = _without(best, LIKE_A_FALL)
     result = best
-    for _ in range(FALLS):
-        tried: list[Fit] = [
-            fit_with_fall(cut, result, values, scales)
-            for values in _best_falls(cut, result, scales)
-        ]
-        better = min(tried, key=lambda each: each.cost)
-        if better.cost > result.cost - COARSE * result.rms**2:
-            break
-        result = better
+    if len(keys) < len(best.unknowns):
+        result = fitted(cut, keys, scales, values, best.state.first, COARSE)
+    result = _other_falls(cut, result, scales)
     falls = result.values["alpha1"] > SMALLEST * scales.level
     return result if falls and _gained(best, result) else None
+
+
+def _other_falls(cut: Segments, best: Fit, scales: Scales) -> Fit:
+    """The best fit that is found by trying falls."""
+    for _ in range(FALLS):
+        tried: list[Fit] = [
+            fit_with_fall(cut, best, values, scales) for values in _best_falls(cut, best, scales)
+        ]
+        better = min(tried, key=lambda each: each.cost)
+        if better.cost > best.cost - COARSE * best.rms**2:
+            break
+        best = better
+    return best
 
 
 def _gained(without: Fit, wider: Fit) -> bool:
@@ -302,28 +324,48 @@ def _falls(values: Values, scales: Scales) -> Iterable[list[Values]]:
         yield [fallen(k * excess, velocity) for k in NEAR if k != 1.0]
         for factor in () if at_once else (0.5, 2.0):
             yield [fallen(k * excess, factor * velocity) for k in NEAR]
-        return
     for relative in STRIBECK:
         excesses = FINELY if relative == 0.0 else EXCESSES
         velocity = max(relative, AT_ONCE) * scales.speed
         yield [fallen(excess * scales.level, velocity) for excess in excesses]
 
 
-def stiction_error(cut: Segments, best: Fit) -> float:
-    """Standard error of a fall that is over at once.
+def fall_errors(cut: Segments, best: Fit, scales: Scales) -> np.ndarray:
+    """Standard errors (2,) of a fall and of its velocity, over all that explain about as much.
 
-    It has three parts: how far the segments do not contradict it, how it changes without one of
-    them, and the noise of the torque, whose largest values seem to break the axis away too early.
+    A fall of any size is as probable, with any of the velocities that are tried.
     """
-    project, fall, factors = _projection(cut, best), best.values["alpha1"], np.sort(NEAR)
-    squares = np.array([project({**best.values, "alpha1": k * fall}) for k in factors])
-    whole, count = squares.sum(axis=1), squares.shape[1]
-    inside = np.flatnonzero(whole <= whole.min() + HIDDEN * best.inflation(SURE))
-    low, high = factors[max(inside[0] - 1, 0)], factors[min(inside[-1] + 1, len(factors) - 1)]
-    without = factors[np.argmin(whole - squares.T, axis=1)]
-    own = fall * np.hypot(0.25 * (high - low), np.sqrt(count - 1.0) * np.std(without))
+    project, inflation = _projection(cut, best), best.inflation(SURE)
+    there, least = best.unknowns.keys, float(project(best.values).sum())
+    if FALL[0] in there:
+        rows = [there.index(name) for name in FALL]
+        own = np.sqrt(np.diag(best.covariance))[rows] * best.unknowns.all("size")[rows]
+    else:
+        own = np.array([_error_at_once(cut, best, project), 0.0])
+    here = np.array([best.values[name] for name in FALL])
+    weights, shifts = [float(own[0] / here[0]) * np.sqrt(2.0 * np.pi)], [np.zeros(2)]
+    for tried in _falls(best.values, scales):
+        tried.sort(key=lambda values: values[FALL[0]])
+        places = np.array([[values[name] for name in FALL] for values in tried])
+        gains = [explained_by(least, float(project(v).sum()), inflation) for v in tried]
+        weights += list(np.exp(np.minimum(gains, 0.0)) * np.gradient(np.log(places[:, 0])))
+        shifts += list(places - here)
+    total = np.array(weights) / np.sum(weights)
+    return mixture_errors(total, np.array(shifts), np.tile(own**2, (len(total), 1)))
+
+
+def _error_at_once(cut: Segments, best: Fit, project: Callable[[Values], np.ndarray]) -> float:
+    """Standard error of a fall that is over at once, as the segments contradict each other.
+
+    To it belongs the noise of the torque, whose largest values seem to break the axis away too
+    early.
+    """
+    fall, factors = best.values[FALL[0]], np.sort(NEAR)
+    squares = np.array([project({**best.values, FALL[0]: k * fall}) for k in factors])
+    without = factors[np.argmin(squares.sum(axis=1) - squares.T, axis=1)]
     jumps = np.median(np.abs(np.diff(cut.data.torque, n=3)))
-    return float(np.hypot(own, LARGEST_NOISE * jumps / (0.6745 * np.sqrt(20.0))))
+    noise = LARGEST_NOISE * jumps / (0.6745 * np.sqrt(20.0))
+    return float(np.hypot(fall * np.sqrt(len(without) - 1.0) * np.std(without), noise))
 
 
 def largest_hidden_fall(cut: Segments, best: Fit, scales: Scales) -> float:

@@ -20,7 +20,6 @@ from furuta.identification.axis.effects import (
     averaged_errors,
     fitted,
     largest_hidden_fall,
-    stiction_error,
     supported,
 )
 from furuta.identification.axis.segments import segmented, smoothed
@@ -48,14 +47,17 @@ THINNED = 1e-3
 LONG_DELAY = 0.02
 # Residuals in the noise of the position from which a fit is started from the torques as well.
 POOR = 3.0
-# Size of the residuals in the noise of the position that a fit has which explains the recording;
-# how often the errors of the model take the place of that noise otherwise.
-EXPLAINED, REWEIGHTED = 1.3, 2
+# Size of the residuals in the noise of the position that a fit has which explains the recording: an
+# axis at rest keeps an error of up to half a count. How often the errors of the model take the place
+# of that noise otherwise.
+EXPLAINED, REWEIGHTED = 3.0**0.5, 2
 # Residuals in the noise that was assumed from which that is assumed anew.
 EXCESSIVE = 0.7
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
 # doubtful, useless, or not worth a fit; where the residuals are noise, it does not matter.
 DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
+# Friction under load that makes other values so much smaller that it is named.
+SMALL_LOAD = 0.05
 # Fewest segments for each unknown, and largest standard error of a usable inertia.
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
@@ -134,20 +136,19 @@ def identify_axis(
         base = _from_torques(cut, base, torques, scales)
     sensor = _noise(cut)
     part = unexplained(base.rms, base.rms * sensor / _forced_motion(cut))
-    for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
-        cut = _reweighted(cut, base)
-        base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
+    for _ in range(REWEIGHTED if base.rms > EXPLAINED else 1):
+        cut, base = _reweighted(cut, base, scales)
     best = base
     if part <= UNEXPLAINED_PART or torques is None or torques.part <= UNEXPLAINED_PART:
         report("looking for further effects")
         best = supported(cut, base, scales, drift=len(ready) == 1)
         if best.rms < EXCESSIVE:
-            cut = _reweighted(cut, best)
-            best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first, COARSE)
+            cut, best = _reweighted(cut, best, scales)
             best = supported(cut, best, scales, drift=len(ready) == 1)
         if best.values["delay"] > LONG_DELAY:
             prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
             best = min(best, prompt, key=lambda each: each.cost)
+        cut, best = _reweighted(cut, best, scales)
     left = best.rms * _noise(cut)
     part = unexplained(left / sensor, left / _forced_motion(cut))
     report("computing standard errors")
@@ -168,9 +169,14 @@ def unexplained(noises: float, part: float) -> float:
     return part if noises > EXPLAINED else 0.0
 
 
-def _reweighted(cut: Segments, best: Fit) -> Segments:
-    """With the residuals of a fit as the noise; they also make the first states uncertain."""
-    return cut.with_noise(best.rms, best.inflation(SURE) / best.rms**2)
+def _reweighted(cut: Segments, best: Fit, scales: Scales) -> tuple[Segments, Fit]:
+    """With the residuals of a fit as the noise, if they are no noise of the position; and the fit.
+
+    They also make the first states uncertain. Priors count as much as independent residuals.
+    """
+    factor = 1.0 if EXCESSIVE <= best.rms <= EXPLAINED else best.rms
+    cut = cut.with_noise(factor, best.inflation(SURE) / factor**2)
+    return cut, fitted(cut, best.unknowns.keys, scales, best.values, best.state.first, COARSE)
 
 
 def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
@@ -307,7 +313,7 @@ def _result(
     if torques is not None:
         best, covered, part, _ = torques
     else:
-        covered, rivals = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
+        covered, rivals, at_once, hidden_load = averaged_errors(cut, best, scales, len(recordings) == 1)
     values, errors, undetermined = reported_values(best, covered)
     if torques is None:
         for key, rival in zip(best.unknowns.keys, rivals, strict=True):
@@ -321,7 +327,7 @@ def _result(
         for each in (values, errors)
     )
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
-        value, error = float(best.values["alpha1"]), float(stiction_error(cut, best))
+        value, error = float(best.values["alpha1"]), at_once
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
             values["alpha1"], errors["alpha1"] = value, error
         else:
@@ -333,10 +339,9 @@ def _result(
                 f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
                 "alpha0 would not show"
             )
-    if not {"inertia", "alpha0", "viscous"} & set(values):
-        raise ParameterError(
-            f"{recordings[0].name}: neither inertia nor friction is determined: inertia "
-            f"{undetermined['inertia']}; record a motion that accelerates and reverses"
+    if torques is None and hidden_load > SMALL_LOAD and "load_friction" not in values:
+        undetermined["load_friction"] = (
+            f"one of {hidden_load:.2g} would not show; inertia and friction would be as much smaller"
         )
     noises = left / sensor if torques is None else np.inf
     moved = f"motion, {noises:.1f} times the noise of the position"
