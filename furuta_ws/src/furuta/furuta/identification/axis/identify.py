@@ -222,6 +222,11 @@ def usable_part(recording: Recording) -> Recording:
     Raises:
         ParameterError: The axis hardly moves.
     """
+    if len(recording.command) and np.ptp(recording.command) == 0.0:
+        raise ParameterError(
+            f"{recording.name}: the torque is {recording.command[0]:g} throughout; name another "
+            "column with --command"
+        )
     travel, count = (f(recording.measured[:, PHI]) for f in (_travel, quantisation_step))
     if not travel >= COUNTS * count > 0.0:
         raise ParameterError(
