@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.axis.averaging import explained_by
 from furuta.identification.axis.effects import (
     FALL,
     GRAVITY,
@@ -113,7 +114,7 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
 
 
 def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
-    """The values of the fit, with the fall of friction that explains most, if one does."""
+    """The values of the fit, with the fall of friction that explains most, if it is probable."""
     found = best
     for relative in STRIBECK[1:]:
         columns = rows.columns | {FALL[0]: rows.columns[FALL[0], relative]}
@@ -121,7 +122,8 @@ def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
         keys = (*best.unknowns.keys, FALL[0])
         other = fitted_balance(rows._replace(columns=columns), keys, scales, values)
         found = other if other.values[FALL[0]] > 0.0 and other.cost < found.cost else found
-    return found.values
+    gained = explained_by(best.cost, found.cost, len(rows.torque) / best.segments * best.rms**2)
+    return found.values if gained > np.log(len(STRIBECK)) else best.values
 
 
 def left_over(rows: Rows, best: Fit) -> float:

@@ -25,6 +25,7 @@ from furuta.identification.least_squares import (
     Fit,
     Linearised,
     Problem,
+    Projection,
     evaluated,
     fit,
     linearised,
@@ -53,8 +54,11 @@ FALL = ("alpha1", "stribeck_velocity")
 # Factors about a fall that is known, and searches for a fall.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
 FALLS, MOST_FALLS = 3, 2
-# Most changes of the model, and logarithm of the evidence from which one is made.
-MOST_CHANGES, SURER = 15, 0.5
+# Most changes of the model, and those that a fit may refuse; logarithm of the evidence from which one
+# is made.
+MOST_CHANGES, MOST_REFUSED, SURER = 15, 3, 0.5
+# Decrease of the cost at which a fit on the way ends, in what is one of independent residuals.
+ROUGH = 0.5
 # Stribeck velocity, relative to the usual speed, of a fall that is over at once, which is stiction,
 # and one that no recording tells from it.
 AT_ONCE, SHORT = 1e-6, 1e-3
@@ -127,38 +131,42 @@ def fitted(
     return fit(problem_of(cut, keys, scales, values), values, first, enough)
 
 
+def rough(about: Fit) -> float:
+    """Decrease of the cost, in that of a sample, that makes no model more probable."""
+    return max(COARSE, ROUGH * about.inflation(SURE) / about.rms**2)
+
+
 def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
     """The most probable model that is found by single changes, each refitted."""
-    best, refused = base, set[frozenset[Key]]()
+    best, refused, falling = base, set[frozenset[Key]](), True
     for _ in range(MOST_CHANGES):
         _, candidates = about_models(cut, best, scales, drift)
-        open_ = [
-            each
-            for each in candidates
-            if each.evidence > SURER and frozenset(keys_of(best, each.model)) not in refused
-        ]
-        if not open_:
-            fall = None if best.values["alpha1"] else _falling(cut, best, scales)
-            if fall is None:
-                break
-            best = fall
+        chosen = max(
+            (c for c in candidates if frozenset(keys_of(best, c.model)) not in refused),
+            key=lambda each: each.evidence,
+        )
+        ends = not chosen.evidence > SURER or len(refused) >= MOST_REFUSED
+        like_a_fall = any(group[0] in LIKE_A_FALL for group in chosen.model.added)
+        fall = None
+        if falling and (ends or (like_a_fall and not best.values["alpha1"])):
+            fall, falling = _falling(cut, best, scales), False
+        if ends and fall is None:
+            break
+        if ends:
+            best, falling = fall or best, True
             continue
-        chosen = max(open_, key=lambda each: each.evidence)
         keys, values = _without(best, [key for group in chosen.model.dropped for key in group])
         keys += [key for group in chosen.model.added for key in group]
-        other = fitted(cut, keys, scales, values, best.state.first, COARSE)
-        if any(g[0] in LIKE_A_FALL for g in chosen.model.added) and not best.values["alpha1"]:
-            fall = _falling(cut, best, scales)
-            if fall and fall.cost < other.cost:
-                best = fall
-                continue
+        other = fitted(cut, keys, scales, values, best.state.first, rough(best))
         gained = explained_by(best.cost, other.cost, best.inflation(SURE)) + chosen.expected
-        if gained > 0.0:
-            best = other
+        if fall is not None and fall.cost < other.cost:
+            best, falling = fall, True
+        elif gained > 0.0:
+            best, falling = other, True
         else:
             refused.add(frozenset(keys))
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
-    return _with_best_fall(cut, best, scales) if best.values["alpha1"] else best
+    return _with_fall_or_without(cut, best, scales) if best.values["alpha1"] else best
 
 
 def keys_of(best: Fit, model: Model) -> list[Key]:
@@ -197,19 +205,8 @@ def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Av
     found = there.averaged(candidates)._replace(load=SIZE_OF_LOAD * there.hidden_load())
     if not best.values["alpha1"]:
         return found
-    covariance, errors = found.covariance, fall_errors(cut, best, scales)
-    if "alpha1" in best.unknowns.keys:
-        rows = [best.unknowns.keys.index(name) for name in FALL]
-        wider = np.ones(len(covariance))
-        known = np.sqrt(np.diag(covariance))[rows] * best.unknowns.all("size")[rows]
-        wider[rows] = np.maximum(errors / known, 1.0)
-        return found._replace(covariance=covariance * np.outer(wider, wider))
-    changed = {**best.values, "alpha1": best.values["alpha1"] + float(errors[0])}
-    problem = Problem(Axis(), cut, best.unknowns)
-    about = linearised(problem, evaluated(problem, changed, best.state.first))
-    shift = inverse(about.information) @ about.gradient
-    covariance = covariance + np.outer(shift, shift)
-    return found._replace(covariance=covariance, stiction=float(errors[0]))
+    more, stiction = fall_errors(cut, best, scales)
+    return found._replace(covariance=found.covariance + more, stiction=stiction)
 
 
 def wave_groups(scales: Scales) -> list[Group]:
@@ -228,15 +225,14 @@ def _without(best: Fit, dropped: Iterable[Key]) -> tuple[list[Key], Values]:
     return keys, {**best.values, **dict.fromkeys(dropped, 0.0)}
 
 
-def _with_best_fall(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The fit with the best fall of all velocities, or without one if that is as probable."""
-    best = _other_falls(cut, best, scales)
+def _with_fall_or_without(cut: Segments, best: Fit, scales: Scales) -> Fit:
+    """The fit with a fall that may be over at once, or without one if that is as probable."""
     if best.values["stribeck_velocity"] < SHORT * scales.speed:
         velocity = AT_ONCE * scales.speed
         best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
     keys, values = _without(best, FALL)
-    without = fitted(cut, keys, scales, values, best.state.first, COARSE)
+    without = fitted(cut, keys, scales, values, best.state.first, rough(best))
     return best if _gained(without, best) else without
 
 
@@ -252,31 +248,25 @@ def smooth_effects(drift: bool) -> tuple[str, ...]:
 
 
 def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
-    """The fit with friction that falls after breakaway, if the segments support that.
+    """The fit with friction that falls after breakaway, or falls otherwise, if that is probable.
 
     It acts not linearly, and on few segments: several falls are tried, and compared by their
     squares, which count less by how far the residuals are from white noise.
     """
-    keys, values = _without(best, LIKE_A_FALL)
     result = best
-    if len(keys) < len(best.unknowns):
-        result = fitted(cut, keys, scales, values, best.state.first, COARSE)
-    result = _other_falls(cut, result, scales)
-    falls = result.values["alpha1"] > SMALLEST * scales.level
-    return result if falls and _gained(best, result) else None
-
-
-def _other_falls(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The best fit that is found by trying falls."""
     for _ in range(FALLS):
         tried: list[Fit] = [
-            fit_with_fall(cut, best, values, scales) for values in _best_falls(cut, best, scales)
+            fit_with_fall(cut, result, values, scales)
+            for values in _best_falls(cut, result, scales)
         ]
         better = min(tried, key=lambda each: each.cost)
-        if better.cost > best.cost - COARSE * best.rms**2:
+        if better.cost > result.cost - rough(result) * result.rms**2:
             break
-        best = better
-    return best
+        result = better
+    if best.values["alpha1"]:
+        return result if explained_by(best.cost, result.cost, best.inflation(SURE)) > SURER else None
+    falls = result.values["alpha1"] > SMALLEST * scales.level
+    return result if falls and _gained(best, result) else None
 
 
 def _gained(without: Fit, wider: Fit) -> bool:
@@ -286,7 +276,8 @@ def _gained(without: Fit, wider: Fit) -> bool:
 
 
 def _projection(cut: Segments, best: Fit) -> Callable[[Values], np.ndarray]:
-    return projection(Problem(Axis(), cut, best.unknowns), best)
+    project = projection(Problem(Axis(), cut, best.unknowns), best)
+    return lambda values: project(values)[0]
 
 
 def _best_falls(cut: Segments, about: Fit, scales: Scales) -> list[Values]:
@@ -309,7 +300,7 @@ def fit_with_fall(cut: Segments, about: Fit, values: Values, scales: Scales) -> 
     """The fit from values; a fall that is over at once is held, because squares are its stairs."""
     keys = [key for key in about.unknowns.keys if key not in FALL]
     more = FALL if values["stribeck_velocity"] > 2.0 * AT_ONCE * scales.speed else ()
-    return fitted(cut, (*keys, *more), scales, values, about.state.first, COARSE)
+    return fitted(cut, (*keys, *more), scales, values, about.state.first, rough(about))
 
 
 def _falls(values: Values, scales: Scales) -> Iterable[list[Values]]:
@@ -330,42 +321,55 @@ def _falls(values: Values, scales: Scales) -> Iterable[list[Values]]:
         yield [fallen(excess * scales.level, velocity) for excess in excesses]
 
 
-def fall_errors(cut: Segments, best: Fit, scales: Scales) -> np.ndarray:
-    """Standard errors (2,) of a fall and of its velocity, over all that explain about as much.
+def fall_errors(cut: Segments, best: Fit, scales: Scales) -> tuple[np.ndarray, float]:
+    """Covariance (p, p) in sizes by all falls that explain about as much, and error of stiction.
 
-    A fall of any size is as probable, with any of the velocities that are tried.
+    A fall of any size is as probable, with any of the velocities that are tried. The error of the
+    fall is that of their mixture, and the one that contributes most to it moves the other values.
+    The largest values of the torque's noise seem to break the axis away too early.
     """
-    project, inflation = _projection(cut, best), best.inflation(SURE)
-    there, least = best.unknowns.keys, float(project(best.values).sum())
-    if FALL[0] in there:
-        rows = [there.index(name) for name in FALL]
-        own = np.sqrt(np.diag(best.covariance))[rows] * best.unknowns.all("size")[rows]
-    else:
-        own = np.array([_error_at_once(cut, best, project), 0.0])
+    keys, size = best.unknowns.keys, best.unknowns.all("size")
+    rows = [k for k, key in enumerate(keys) if key in FALL]
+    others = [k for k in range(len(keys)) if k not in rows]
+    project = projection(Problem(Axis(), cut, best.unknowns), best, others)
+    inflation, least = best.inflation(SURE), float(project(best.values)[0].sum())
     here = np.array([best.values[name] for name in FALL])
+    if rows:
+        own = np.sqrt(np.diag(best.covariance))[rows] * size[rows]
+    else:
+        jumps = np.median(np.abs(np.diff(cut.data.torque, n=3)))
+        noise = LARGEST_NOISE * float(jumps) / (0.6745 * np.sqrt(20.0))
+        own = np.array([np.hypot(_error_at_once(best, project), noise), 0.0])
     weights, shifts = [float(own[0] / here[0]) * np.sqrt(2.0 * np.pi)], [np.zeros(2)]
+    everything: list[Values] = [best.values]
     for tried in _falls(best.values, scales):
         tried.sort(key=lambda values: values[FALL[0]])
         places = np.array([[values[name] for name in FALL] for values in tried])
-        gains = [explained_by(least, float(project(v).sum()), inflation) for v in tried]
+        gains = [explained_by(least, float(project(v)[0].sum()), inflation) for v in tried]
         weights += list(np.exp(np.minimum(gains, 0.0)) * np.gradient(np.log(places[:, 0])))
         shifts += list(places - here)
-    total = np.array(weights) / np.sum(weights)
-    return mixture_errors(total, np.array(shifts), np.tile(own**2, (len(total), 1)))
+        everything += tried
+    total, apart = np.array(weights) / np.sum(weights), np.array(shifts)
+    errors = mixture_errors(total, apart, np.tile(own**2, (len(total), 1)))
+    farthest = int(np.argmax(total * apart[:, 0] ** 2))
+    step = np.zeros(len(keys))
+    step[others] = project(everything[farthest])[1]
+    step[rows] = apart[farthest][: len(rows)] / size[rows]
+    wider = max(errors[0] ** 2 - own[0] ** 2, 0.0) / max(apart[farthest, 0] ** 2, 1e-300)
+    found = min(wider, 1.0) * np.outer(step, step)
+    if not rows:
+        there = {**best.values, FALL[0]: here[0] + own[0]}
+        step[others] = project(there)[1]
+        found = found + np.outer(step, step)
+    return found, float(errors[0])
 
 
-def _error_at_once(cut: Segments, best: Fit, project: Callable[[Values], np.ndarray]) -> float:
-    """Standard error of a fall that is over at once, as the segments contradict each other.
-
-    To it belongs the noise of the torque, whose largest values seem to break the axis away too
-    early.
-    """
+def _error_at_once(best: Fit, project: Projection) -> float:
+    """Standard error of a fall that is over at once, as the segments contradict each other."""
     fall, factors = best.values[FALL[0]], np.sort(NEAR)
-    squares = np.array([project({**best.values, FALL[0]: k * fall}) for k in factors])
+    squares = np.array([project({**best.values, FALL[0]: k * fall})[0] for k in factors])
     without = factors[np.argmin(squares.sum(axis=1) - squares.T, axis=1)]
-    jumps = np.median(np.abs(np.diff(cut.data.torque, n=3)))
-    noise = LARGEST_NOISE * jumps / (0.6745 * np.sqrt(20.0))
-    return float(np.hypot(fall * np.sqrt(len(without) - 1.0) * np.std(without), noise))
+    return float(fall * np.sqrt(len(without) - 1.0) * np.std(without))
 
 
 def largest_hidden_fall(cut: Segments, best: Fit, scales: Scales) -> float:

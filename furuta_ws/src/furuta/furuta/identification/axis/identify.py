@@ -50,7 +50,7 @@ POOR = 3.0
 # Size of the residuals in the noise of the position that a fit has which explains the recording: an
 # axis at rest keeps an error of up to half a count. How often the errors of the model take the place
 # of that noise otherwise.
-EXPLAINED, REWEIGHTED = 3.0**0.5, 2
+EXPLAINED, REWEIGHTED = 3.0**0.5, 4
 # Residuals in the noise that was assumed from which that is assumed anew.
 EXCESSIVE = 0.7
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
@@ -130,14 +130,19 @@ def identify_axis(
     ready = [_prepared(recording) for recording in given]
     cut = segmented(ready)
     report("fitting inertia and friction to the motion")
-    base, scales = _first_fit(ready, cut)
+    starts = _first_fits(ready, cut)
+    base, scales = next(starts)
     torques = balanced(ready, base, scales) if base.rms > POOR else None
     if torques is not None:
         base = _from_torques(cut, base, torques, scales)
+    if base.rms > POOR:
+        base = min([base, *(other for other, _ in starts)], key=lambda each: each.cost)
     sensor = _noise(cut)
     part = unexplained(base.rms, base.rms * sensor / _forced_motion(cut))
-    for _ in range(REWEIGHTED if base.rms > EXPLAINED else 1):
+    for _ in range(REWEIGHTED):
         cut, base = _reweighted(cut, base, scales)
+        if EXCESSIVE <= base.rms <= EXPLAINED:
+            break
     best = base
     if part <= UNEXPLAINED_PART or torques is None or torques.part <= UNEXPLAINED_PART:
         report("looking for further effects")
@@ -196,15 +201,15 @@ def _from_torques(cut: Segments, base: Fit, torques: Balance, scales: Scales) ->
 
     They are found without a start, and with the effects that the torques show.
     """
-    for start in (torques.fit.values, torques.start):
-        if start["inertia"] <= 0.0:
+    for start in (torques.start, torques.fit.values):
+        if start["inertia"] <= 0.0 or base.rms < POOR:
             continue
         keys = dict.fromkeys((*base.unknowns.keys, *torques.fit.unknowns.keys))
         keys |= dict.fromkeys(FALL if start["alpha1"] else ())
         values = {**start, "delay": base.values["delay"], "alpha0": max(start["alpha0"], 0.0)}
         other = fitted(cut, keys, scales, values, enough=COARSE)
         base = min(base, other, key=lambda each: each.cost)
-        if start is torques.start:
+        if not start["alpha1"]:
             break
     return base
 
@@ -284,8 +289,10 @@ def _travel(position: np.ndarray) -> float:
     return float(np.ptp(known)) if len(known) else 0.0
 
 
-def _first_fit(recordings: Sequence[Recording], cut: Segments) -> tuple[Fit, Scales]:
-    """The fit without further effects, and the usual sizes of everything."""
+def _first_fits(
+    recordings: Sequence[Recording], cut: Segments
+) -> Iterator[tuple[Fit, Scales]]:
+    """Fits without further effects, and the usual sizes of everything."""
     even = [smoothed(recording) for recording in recordings]
     speed = float(np.sqrt(np.mean(np.concatenate([each.speed for each in even]) ** 2)))
     torque = float(np.sqrt(np.mean(np.concatenate([each.torque for each in even]) ** 2)))
@@ -293,14 +300,10 @@ def _first_fit(recordings: Sequence[Recording], cut: Segments) -> tuple[Fit, Sca
     length = max(recording.duration for recording in recordings)
     gravity = GRAVITY if travel > GRAVITY_TRAVEL else ()
     offsets = [("offset", number) for number in range(len(recordings))]
-    fits = []
     for values in first_values(recordings, even, bool(gravity)):
         scales = Scales(torque, values["alpha0"], speed, travel, length)
         keys = (*ALWAYS, *offsets, *gravity)
-        fits.append((fitted(cut, keys, scales, values, enough=COARSE), scales))
-        if fits[-1][0].rms < EXPLAINED:
-            break
-    return min(fits, key=lambda each: each[0].cost)
+        yield fitted(cut, keys, scales, values, enough=COARSE), scales
 
 
 def _result(
@@ -322,7 +325,8 @@ def _result(
     values, errors, undetermined = reported_values(best, covered)
     if torques is None:
         for key, rival in zip(best.unknowns.keys, rivals, strict=True):
-            if rival is not None and name_of(key) in undetermined:
+            alone = chance_of(best, _together(key, best)) < BY_CHANCE
+            if rival is not None and alone and name_of(key) in undetermined:
                 why = undetermined[name_of(key)].removesuffix(NOT_DISTINGUISHABLE)
                 undetermined[name_of(key)] = why + described(rival)
     one_way = _one_way(recordings, best, covered)
@@ -393,7 +397,8 @@ def reported_values(
         reported = "offset" if key == ("offset", 0) else name_of(key)
         groups = [_together(key, best)] + ([FALL[:1]] if key == FALL[1] else [])
         certain = all(chance_of(best, group, covered) < BY_CHANCE for group in groups)
-        if field_of(key) == "offset" or certain:
+        free = field_of(key) == "offset" and error < best.unknowns[best.unknowns.keys.index(key)].size
+        if free or certain:
             values[reported], errors[reported] = best.values[key], error
         else:
             undetermined[reported] = f"{best.values[key]:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
