@@ -166,7 +166,8 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
         else:
             refused.add(frozenset(keys))
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
-    return _with_fall_or_without(cut, best, scales) if best.values["alpha1"] else best
+    falls = best.values["alpha1"] or FALL[0] in best.unknowns.keys
+    return _with_fall_or_without(cut, best, scales) if falls else best
 
 
 def keys_of(best: Fit, model: Model) -> list[Key]:
@@ -233,7 +234,8 @@ def _with_fall_or_without(cut: Segments, best: Fit, scales: Scales) -> Fit:
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
     keys, values = _without(best, FALL)
     without = fitted(cut, keys, scales, values, best.state.first, rough(best))
-    return best if _gained(without, best) else without
+    falls = best.values["alpha1"] > SMALLEST * scales.level
+    return best if falls and _gained(without, best) else without
 
 
 def _about(cut: Segments, best: Fit, keys: Sequence[Key], scales: Scales) -> Linearised:

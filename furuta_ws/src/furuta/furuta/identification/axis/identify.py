@@ -201,7 +201,8 @@ def _from_torques(cut: Segments, base: Fit, torques: Balance, scales: Scales) ->
 
     They are found without a start, and with the effects that the torques show.
     """
-    for start in (torques.start, torques.fit.values):
+    falling = [torques.start] if torques.start["alpha1"] else []
+    for start in (torques.fit.values, *falling):
         if start["inertia"] <= 0.0 or base.rms < POOR:
             continue
         keys = dict.fromkeys((*base.unknowns.keys, *torques.fit.unknowns.keys))
@@ -209,8 +210,6 @@ def _from_torques(cut: Segments, base: Fit, torques: Balance, scales: Scales) ->
         values = {**start, "delay": base.values["delay"], "alpha0": max(start["alpha0"], 0.0)}
         other = fitted(cut, keys, scales, values, enough=COARSE)
         base = min(base, other, key=lambda each: each.cost)
-        if not start["alpha1"]:
-            break
     return base
 
 
