@@ -125,7 +125,11 @@ def _path(r: np.random.Generator, time: np.ndarray, kind: str) -> np.ndarray:
         for k in range(1, 6):
             w, (b, c) = k * 2.0 * pi * r.uniform(0.1, 0.2), r.normal(0.0, 0.7 / k, 2)
             sine, cosine = np.sin(w * time), np.cos(w * time)
-            q += [b * sine + c * cosine, w * (b * cosine - c * sine), -w * w * (b * sine + c * cosine)]
+            q += [
+                b * sine + c * cosine,
+                w * (b * cosine - c * sine),
+                -w * w * (b * sine + c * cosine),
+            ]
         return q
     at, begin = 0.0, r.uniform(0.0, 0.3)
     while begin < time[-1]:

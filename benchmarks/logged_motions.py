@@ -1,9 +1,8 @@
 """Draws axes, servos and rigs, and the logs that people keep of them.
 
-An axis is moved in twelve ways, under a controller or by its torque, over 0.2 to 60 rad, and read by
+An axis is moved in twelve ways, by a controller or by its torque, over 0.2 to 60 rad, and read by
 encoders of 500 to 1000000 counts. The log holds the torque that was commanded, or the one that was
-measured at the instant of the row, which has acted before. Motions are those of
-:mod:`sticking_motion`.
+measured at the instant of the row, which has acted before.
 """
 
 from math import exp, pi
@@ -72,10 +71,14 @@ def logged_axis(seed: int, loaded: bool = False) -> Logged:
     loop, reference, forward = _moves(r, kind, time, way, speed, fast, axis, usual, one_way)
     measured = bool(r.random() < 0.3)
     errors = noise * r.standard_normal(len(time))
-    position, torque = _run(axis, loop, 1.0 / rate, delay, reference, forward, count, errors, measured)
+    position, torque = _run(
+        axis, loop, 1.0 / rate, delay, reference, forward, count, errors, measured
+    )
     sizes = r.choice([0.0, 0.002, 0.01]) * np.sqrt(np.mean(torque**2))
     torque = torque + sizes * r.standard_normal(len(time))
-    late = _measured_late(delay % (1.0 / rate), axis.lag, 1.0 / rate) if measured else delay + axis.lag
+    late = (
+        _measured_late(delay % (1.0 / rate), axis.lag, 1.0 / rate) if measured else delay + axis.lag
+    )
     traits = [
         "torque measured" if measured else "torque commanded",
         *(["friction under load"] if axis.load_friction else []),
@@ -175,7 +178,11 @@ def _moves(
             low, high = r.uniform(0.3, 0.8), r.uniform(2.0, 8.0)
             phase = 2.0 * pi * (low + 0.5 * (high - low) * time / time[-1]) * time
             return held, none, 1.6 * usual * np.sin(phase)
-        return held, none, r.uniform(1.0, 1.8) * usual * np.sign(_levels(r, time, r.uniform(0.05, 0.3)))
+        return (
+            held,
+            none,
+            r.uniform(1.0, 1.8) * usual * np.sign(_levels(r, time, r.uniform(0.05, 0.3))),
+        )
     if kind == "sines":
         parts = zip((0.6, 0.3, 0.1), r.uniform(0.2, 1.5, 3), r.uniform(0.0, 6.0, 3), strict=True)
         sines = sum(size * np.sin(2.0 * pi * f * time + phase) for size, f, phase in parts)

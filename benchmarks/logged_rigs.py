@@ -23,7 +23,8 @@ MOVES = ("steps", "sine", "chirp", "multisine", "step and back")
 @numba.njit(cache=True, error_model="numpy")
 def _rates(x: np.ndarray, u: float, p: np.ndarray, waves: np.ndarray, side: float) -> np.ndarray:
     """Derivatives of (φ, φ̇, θ, θ̇); with ``side`` 0 the arm is stuck, and the second is what is
-    missing to hold it."""
+    missing to hold it.
+    """
     alpha, beta, gamma, delta, viscous, forward, backward, damping = p
     s, k, v, w = sin(x[2]), cos(x[2]), x[1], x[3]
     arm = u - viscous * v + gamma * s * w * w - 2.0 * beta * s * k * v * w
@@ -107,7 +108,10 @@ def logged_rig(seed: int) -> tuple[Logged, np.ndarray]:
     late = int(r.uniform(0.0, 0.005) / STEP)
     commands = np.append(np.zeros(late), np.repeat(volts, every))[: every * len(time)]
     states = _moved(np.array([0.0, 0.0, pi, 0.0]), commands, every, p, waves)
-    counts, measured = float(r.choice((1024.0, 2048.0, 4096.0, 8192.0))), np.full_like(states, np.nan)
+    counts, measured = (
+        float(r.choice((1024.0, 2048.0, 4096.0, 8192.0))),
+        np.full_like(states, np.nan),
+    )
     for column in (0, 2):
         step = 2.0 * pi / counts
         measured[:, column] = step * np.round(states[:, column] / step)
@@ -132,5 +136,7 @@ def _shape(r: np.random.Generator, kind: str, time: np.ndarray) -> np.ndarray:
         waves = np.sin(2.0 * pi * np.outer(time, r.uniform(0.3, 3.0, 4)) + r.uniform(0.0, 6.0, 4))
         return np.asarray(waves.mean(axis=1) * 1.5)
     lasts = r.uniform(0.4, 1.0) if kind == "steps" else r.uniform(1.5, 2.5)
-    levels = r.choice((-1.0, -0.6, 0.6, 1.0), 100) if kind == "steps" else np.resize((1.0, -1.0), 100)
+    levels = (
+        r.choice((-1.0, -0.6, 0.6, 1.0), 100) if kind == "steps" else np.resize((1.0, -1.0), 100)
+    )
     return np.asarray(levels[(time // lasts).astype(int)])

@@ -135,7 +135,8 @@ def rig(seed: int) -> Judged:
 
     def fit() -> _Rig:
         model = identify(
-            [Recording("rig", log.time, measured, log.time, log.command, in_radians=True)], Options()
+            [Recording("rig", log.time, measured, log.time, log.command, in_radians=True)],
+            Options(),
         )
         found = values_by_name(model)
         errors = {name: value for name, value in found["standard_errors"].items() if value}
@@ -171,7 +172,10 @@ def main() -> None:
         for each in pool.imap(STUDIES[given.study], seeds):
             found.append(each)
             off = " ".join(f"{name}:{value:.1f}" for name, value in each.off.items())
-            print(f"{each.seed} {each.usable} {each.seconds:.1f} s [{', '.join(each.groups)}] {off}", flush=True)
+            print(
+                f"{each.seed} {each.usable} {each.seconds:.1f} s [{', '.join(each.groups)}] {off}",
+                flush=True,
+            )
             if each.reasons:
                 print(f"    {each.reasons}", flush=True)
     print_tables(found)

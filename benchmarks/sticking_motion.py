@@ -4,9 +4,9 @@ r"""Moves an axis whose friction truly sticks, in steps of at most 25 µs in whi
     J\dot v = τ - (B ± D)v - (1 ± a)\,(F_C + F_S e^{-(v/v_s)^2} + Cv^2 + L|τ|)\,\mathrm{sgn}\,v
               - f_0 - f_1 t - g_s\sin q - g_c\cos q - kq - \sum(c_n\cos nq + s_n\sin nq)
 
-± is the sign of v. A slide is integrated by the classical Runge-Kutta method. The torque follows the
-command with a lag of first order, or is that of a spring to it, within a limit. It shares no code
-with the identification that it judges.
+± is the sign of v. A slide is integrated by the classical Runge-Kutta method. The torque follows
+the command with a lag of first order, or is a spring to it, within a limit. It shares no
+code with the identification that it judges.
 """
 
 from math import cos, exp, sin

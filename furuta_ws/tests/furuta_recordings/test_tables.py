@@ -368,8 +368,7 @@ def test_structs_that_share_a_field_keep_their_names(tmp_path: Path) -> None:
 
 def test_lists_in_parquet_are_read_by_element(tmp_path: Path) -> None:
     pyarrow = pytest.importorskip("pyarrow")
-    from pyarrow import parquet
-
+    parquet = pytest.importorskip("pyarrow.parquet")
     rows = {"timestamp": TIME, "action": list(STATE), "torque": VOLTS}
     parquet.write_table(pyarrow.table(rows), tmp_path / "log.parquet")
     with pytest.raises(ParameterError, match=r"lists of 4; name an element, such as action\[0\]"):
@@ -389,7 +388,9 @@ def test_a_column_of_steps_is_summed(tmp_path: Path, given: str | None) -> None:
 
 def test_angle_and_velocity_are_one_joint(tmp_path: Path) -> None:
     rows = (f"{t},{x:.9f},{v:.9f}" for t, (x, v) in zip(TIME, STATE[:, :2], strict=True))
-    found = recording_of(tmp_path, "\n".join(["time,angle,velocity", *rows]), Mapping(command="none"))
+    found = recording_of(
+        tmp_path, "\n".join(["time,angle,velocity", *rows]), Mapping(command="none")
+    )
     np.testing.assert_allclose(found.measured[:, 2:], STATE[:, :2])
 
 

@@ -18,7 +18,14 @@ from furuta_recordings.recording import Recording
 # Names of a column with the time; `stamp` alone is one too.
 TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime", "zeit")
 # Names of a column with the time since the row before.
-STEP_WORDS = {("dt",), ("delta", "t"), ("delta", "time"), ("time", "step"), ("step",), ("timestep",)}
+STEP_WORDS = {
+    ("dt",),
+    ("delta", "t"),
+    ("delta", "time"),
+    ("time", "step"),
+    ("step",),
+    ("timestep",),
+}
 USUAL = "__time, time, timestamp, t, time_ms, millis, `Time [s]`"
 # Smallest time since 1970 in each unit: that of the year 2001 in ns, µs and ms.
 EPOCHS = {1e18: 1e-9, 1e15: 1e-6, 1e12: 1e-3}
@@ -52,7 +59,9 @@ def clock_column(
         matching = [n for n in columns if len(words[n]) == 1 and words[n][0] in TIME_WORDS]
         matching.sort(key=lambda name: words[name] == ("date",))
         own = column(beside).words[:-1]
-        matching = matching or [n for n in columns if (*words[n],) in {(*own, w) for w in TIME_WORDS}]
+        matching = matching or [
+            n for n in columns if (*words[n],) in {(*own, w) for w in TIME_WORDS}
+        ]
         matching = matching or [n for n in columns if words[n][-1:] == ("stamp",)]
         matching = matching or [n for n in columns if words[n] in STEP_WORDS]
     if not matching:

@@ -28,11 +28,12 @@ PROBABLE = {
     "drag": 0.3,
     "drift": 0.2,
     "load_friction": 0.2,
+    "alpha1": 0.07,
 }
 A_WAVE, ORDERS = 0.3, range(2, 49)
 HARMONIC = sum(1.0 / n for n in ORDERS)
-# The effect that is never negative.
-LOADED = "load_friction"
+# The effects that are never negative.
+LOADED, EXCESS = "load_friction", "alpha1"
 # Largest Occam factor in the errors: effects of any size are as probable, over e decades.
 DECADES = 1.0
 # Part of the squares that one linear step surely leaves.
@@ -67,10 +68,13 @@ class Averaged(NamedTuple):
 def described(model: Model) -> str:
     """The effects that would explain as much."""
     names = [
-        f"a wave of order {group[0][1]}" if field_of(group[0]) == "cos" else READ.get(name_of(group[0]), name_of(group[0]))
+        f"a wave of order {group[0][1]}"
+        if field_of(group[0]) == "cos"
+        else READ.get(name_of(group[0]), name_of(group[0]))
         for group in model.added
     ]
-    return f"{' and '.join(names)} would explain as much" if names else "the rest explains as much"
+    names += [] if model.added or model.dropped else ["a fall of friction"]
+    return f"{' and '.join(names) or 'less'} would explain as much"
 
 
 READ = {"gravity_sin": "gravity", "spring": "a spring", "load_friction": "friction under load"}
@@ -102,19 +106,26 @@ class Candidate(NamedTuple):
     """A model: its step (P,), and the logarithm of its evidence against the best fit.
 
     That is what it explains more, ``explained``, and what was ``expected`` beforehand. An effect
-    that is ``added`` may also be smaller than was expected: that is for the errors.
+    that is ``added`` may also be smaller than was expected: that is for the errors. A fall of
+    friction has its own ``covered`` (p, p).
     """
 
     model: Model
     step: np.ndarray
     explained: float
     expected: float
-    smaller: float
+    smaller: float = 0.0
+    covered: np.ndarray | None = None
 
     @property
     def evidence(self) -> float:
         """The logarithm of how much more probable it is than the best fit."""
         return self.explained + self.expected
+
+    @property
+    def weight(self) -> float:
+        """That for the errors. What seems to be better than the best fit was refused by a fit."""
+        return min(self.evidence, 0.0) + self.smaller
 
 
 class Neighbourhood(NamedTuple):
@@ -147,11 +158,11 @@ class Neighbourhood(NamedTuple):
             for group in model.dropped:
                 inside = [self.index[key] for key in group]
                 expected += self._occam(group, whole[np.ix_(inside, inside)]) - log_odds(group)
-        if (LOADED,) in model.added:
+        for positive in (key for key in (LOADED, EXCESS) if (key,) in model.added):
             # It is never negative: the mean of what is left of its distribution.
-            k = rows.index(self.index[LOADED])
+            k = rows.index(self.index[positive])
             deviation = float(np.sqrt(inverted[k, k] * self.inflation))
-            above = step[self.index[LOADED]] / deviation
+            above = step[self.index[positive]] / deviation
             step[rows] += inverted[:, k] / inverted[k, k] * deviation * _beyond_zero(above)
             expected += float(np.log(2.0) + log_ndtr(above))
         gain = float(2.0 * about.gradient @ step - step @ about.information @ step)
@@ -178,7 +189,7 @@ class Neighbourhood(NamedTuple):
         ratio = np.sum(np.log(expected)) - np.linalg.slogdet(inverted * self.inflation)[1]
         return max(0.5 * float(ratio), 0.0)
 
-    def _covariance(self, model: Model, step: np.ndarray) -> np.ndarray:
+    def covariance(self, model: Model, step: np.ndarray) -> np.ndarray:
         """Covariance (p, p) of the best fit's unknowns in a model; dropped ones have none."""
         about, (rows, _) = self.about, _rows(self.index, self.count, model)
         information = about.information[np.ix_(rows, rows)]
@@ -195,18 +206,27 @@ class Neighbourhood(NamedTuple):
 
     def averaged(self, candidates: Sequence[Candidate]) -> Averaged:
         """Errors over the models; each may have friction under load as well."""
-        log_weights = np.array([each.evidence + each.smaller for each in candidates])
-        likely = [c for c, k in zip(candidates, log_weights, strict=True)
-                  if k > log_weights.max() + np.log(NEGLIGIBLE)]
+        log_weights = np.array([each.weight for each in candidates])
+        likely = [
+            c
+            for c, k in zip(candidates, log_weights, strict=True)
+            if k > log_weights.max() + np.log(NEGLIGIBLE)
+        ]
         if LOADED in self.index and self.index[LOADED] >= self.count:
-            more = [self.candidate(Model(c.model.dropped, (*c.model.added, (LOADED,))))
-                    for c in likely if (LOADED,) not in c.model.added and c.model.dropped + c.model.added]
+            more = [
+                self.candidate(Model(c.model.dropped, (*c.model.added, (LOADED,))))
+                for c in likely
+                if (LOADED,) not in c.model.added and c.model.dropped + c.model.added
+            ]
             likely += more
-        weight = np.exp(np.array([c.evidence + c.smaller for c in likely]) - log_weights.max())
+        weight = np.exp(np.array([each.weight for each in likely]) - log_weights.max())
         kept = np.flatnonzero(weight > NEGLIGIBLE * weight.sum())
         weight, likely = weight[kept] / weight[kept].sum(), [likely[k] for k in kept]
         shifts = np.array([each.step[: self.count] for each in likely])
-        covered = [self._covariance(each.model, each.step) for each in likely]
+        covered = [
+            self.covariance(each.model, each.step) if each.covered is None else each.covered
+            for each in likely
+        ]
         total = sum(
             w * (each + np.outer(shift, shift))
             for w, each, shift in zip(weight, covered, shifts, strict=True)
@@ -223,7 +243,7 @@ class Neighbourhood(NamedTuple):
 
 
 def _few(freedom: int) -> float:
-    """How much larger a variance is to be taken that few blocks tell, of which this many are free."""
+    """How much larger a variance is to be taken that few blocks tell, so many of them free."""
     return float(0.5 * stdtrit(max(freedom, 3), ndtr(2.0))) ** 2
 
 
@@ -239,9 +259,7 @@ def log_odds(group: Group) -> float:
     return float(np.log(probable / (1.0 - probable)))
 
 
-def _rows(
-    index: dict[Key, int], count: int, model: Model
-) -> tuple[list[int], list[int]]:
+def _rows(index: dict[Key, int], count: int, model: Model) -> tuple[list[int], list[int]]:
     dropped = [index[key] for group in model.dropped for key in group]
     added = [index[key] for group in model.added for key in group]
     return [k for k in range(count) if k not in dropped] + added, dropped

@@ -12,13 +12,13 @@ from furuta.identification.axis.averaging import (
     Model,
     Neighbourhood,
     explained_by,
+    log_odds,
     mixture_errors,
     neighbours,
 )
 from furuta.identification.axis.start import EARLIEST
 from furuta.identification.bodies.axis import Axis, wave
 from furuta.identification.bodies.body import Segments
-from furuta.identification.errors import inverse
 from furuta.identification.least_squares import (
     COARSE,
     FINE,
@@ -26,7 +26,6 @@ from furuta.identification.least_squares import (
     Linearised,
     Problem,
     Projection,
-    evaluated,
     fit,
     linearised,
     projection,
@@ -54,8 +53,8 @@ FALL = ("alpha1", "stribeck_velocity")
 # Factors about a fall that is known, and searches for a fall.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
 FALLS, MOST_FALLS = 3, 2
-# Most changes of the model, and those that a fit may refuse; logarithm of the evidence from which one
-# is made.
+# Most changes of the model, and those that a fit may refuse; logarithm of the evidence from which
+# one is made.
 MOST_CHANGES, MOST_REFUSED, SURER = 15, 3, 0.5
 # Decrease of the cost at which a fit on the way ends, in what is one of independent residuals.
 ROUGH = 0.5
@@ -205,7 +204,12 @@ def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Av
     there, candidates = about_models(cut, best, scales, drift)
     found = there.averaged(candidates)._replace(load=SIZE_OF_LOAD * there.hidden_load())
     if not best.values["alpha1"]:
-        return found
+        # A fall is as probable beside each of the models.
+        alone = there.candidate(Model((), ()))
+        falls = there.averaged([alone, *falls_beside(cut, best, scales, len(there.index))])
+        wider = np.diag(falls.covariance) / np.diag(found.covariance)
+        factor = np.sqrt(np.maximum(wider, 1.0))
+        return found._replace(covariance=found.covariance * np.outer(factor, factor))
     more, stiction = fall_errors(cut, best, scales)
     return found._replace(covariance=found.covariance + more, stiction=stiction)
 
@@ -266,7 +270,9 @@ def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
             break
         result = better
     if best.values["alpha1"]:
-        return result if explained_by(best.cost, result.cost, best.inflation(SURE)) > SURER else None
+        return (
+            result if explained_by(best.cost, result.cost, best.inflation(SURE)) > SURER else None
+        )
     falls = result.values["alpha1"] > SMALLEST * scales.level
     return result if falls and _gained(best, result) else None
 
@@ -277,8 +283,12 @@ def _gained(without: Fit, wider: Fit) -> bool:
     return explained_by(without.cost, wider.cost, without.inflation(SURE)) > tried
 
 
+def _projection_of(cut: Segments, best: Fit, which: Sequence[int] | None = None) -> Projection:
+    return projection(Problem(Axis(), cut, best.unknowns), best, which)
+
+
 def _projection(cut: Segments, best: Fit) -> Callable[[Values], np.ndarray]:
-    project = projection(Problem(Axis(), cut, best.unknowns), best)
+    project = _projection_of(cut, best)
     return lambda values: project(values)[0]
 
 
@@ -323,17 +333,44 @@ def _falls(values: Values, scales: Scales) -> Iterable[list[Values]]:
         yield [fallen(excess * scales.level, velocity) for excess in excesses]
 
 
+def falls_beside(cut: Segments, best: Fit, scales: Scales, count: int) -> list[Candidate]:
+    """Models (of ``count`` unknowns) that have a fall besides, over at once or of a velocity."""
+    project, noise = _projection_of(cut, best), (best.inflation(SURE), best.rms**2, best.cost)
+    least, none = float(project(best.values)[0].sum()), Model((), ())
+    tried = next(iter(_falls(best.values, scales)))
+    sizes = np.log([values[FALL[0]] for values in tried])
+    found = []
+    for values, part in zip(tried, np.gradient(sizes) / np.ptp(sizes), strict=True):
+        squares, step = project(values)
+        gained = explained_by(least, float(squares.sum()), noise[0])
+        odds = log_odds(FALL[:1]) + float(np.log(part))
+        found.append(Candidate(none, step, gained, odds, covered=best.covariance))
+    keys, known = (*best.unknowns.keys, FALL[0]), len(best.unknowns)
+    excess = np.append(best.unknowns.vector(best.values) / best.unknowns.all("size"), 0.0)
+    for relative in STRIBECK[1:]:
+        about = best._replace(
+            state=best.state._replace(values={**best.values, FALL[1]: relative * scales.speed})
+        )
+        index = {key: number for number, key in enumerate(keys)}
+        there = Neighbourhood(_about(cut, about, keys, scales), index, known, excess, *noise)
+        model = Model((), (FALL[:1],))
+        each = there.candidate(model)
+        covered = there.covariance(model, each.step)
+        found.append(each._replace(model=none, step=each.step[:known], covered=covered))
+    wider = np.zeros(count - known)
+    return [each._replace(step=np.append(each.step, wider)) for each in found]
+
+
 def fall_errors(cut: Segments, best: Fit, scales: Scales) -> tuple[np.ndarray, float]:
     """Covariance (p, p) in sizes by all falls that explain about as much, and error of stiction.
 
-    A fall of any size is as probable, with any of the velocities that are tried. The error of the
-    fall is that of their mixture, and the one that contributes most to it moves the other values.
-    The largest values of the torque's noise seem to break the axis away too early.
+    A fall of any size is as probable, with any of the velocities that are tried. The largest values
+    of the torque's noise seem to break the axis away too early.
     """
     keys, size = best.unknowns.keys, best.unknowns.all("size")
     rows = [k for k, key in enumerate(keys) if key in FALL]
     others = [k for k in range(len(keys)) if k not in rows]
-    project = projection(Problem(Axis(), cut, best.unknowns), best, others)
+    project = _projection_of(cut, best, others)
     inflation, least = best.inflation(SURE), float(project(best.values)[0].sum())
     here = np.array([best.values[name] for name in FALL])
     if rows:
@@ -343,27 +380,20 @@ def fall_errors(cut: Segments, best: Fit, scales: Scales) -> tuple[np.ndarray, f
         noise = LARGEST_NOISE * float(jumps) / (0.6745 * np.sqrt(20.0))
         own = np.array([np.hypot(_error_at_once(best, project), noise), 0.0])
     weights, shifts = [float(own[0] / here[0]) * np.sqrt(2.0 * np.pi)], [np.zeros(2)]
-    everything: list[Values] = [best.values]
     for tried in _falls(best.values, scales):
         tried.sort(key=lambda values: values[FALL[0]])
         places = np.array([[values[name] for name in FALL] for values in tried])
         gains = [explained_by(least, float(project(v)[0].sum()), inflation) for v in tried]
         weights += list(np.exp(np.minimum(gains, 0.0)) * np.gradient(np.log(places[:, 0])))
         shifts += list(places - here)
-        everything += tried
-    total, apart = np.array(weights) / np.sum(weights), np.array(shifts)
-    errors = mixture_errors(total, apart, np.tile(own**2, (len(total), 1)))
-    farthest = int(np.argmax(total * apart[:, 0] ** 2))
+    total = np.array(weights) / np.sum(weights)
+    errors = mixture_errors(total, np.array(shifts), np.tile(own**2, (len(total), 1)))
     step = np.zeros(len(keys))
-    step[others] = project(everything[farthest])[1]
-    step[rows] = apart[farthest][: len(rows)] / size[rows]
-    wider = max(errors[0] ** 2 - own[0] ** 2, 0.0) / max(apart[farthest, 0] ** 2, 1e-300)
-    found = min(wider, 1.0) * np.outer(step, step)
-    if not rows:
-        there = {**best.values, FALL[0]: here[0] + own[0]}
-        step[others] = project(there)[1]
-        found = found + np.outer(step, step)
-    return found, float(errors[0])
+    if rows:
+        step[rows] = np.maximum(errors**2 - own**2, 0.0) / size[rows] ** 2
+        return np.diag(step), 0.0
+    step[others] = project({**best.values, FALL[0]: here[0] + own[0]})[1]
+    return np.outer(step, step), float(errors[0])
 
 
 def _error_at_once(best: Fit, project: Projection) -> float:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.identification.axis.averaging import described
+from furuta.identification.axis.averaging import Averaged, described
 from furuta.identification.axis.balance import Balance, balanced
 from furuta.identification.axis.effects import (
     ALWAYS,
@@ -48,8 +48,8 @@ LONG_DELAY = 0.02
 # Residuals in the noise of the position from which a fit is started from the torques as well.
 POOR = 3.0
 # Size of the residuals in the noise of the position that a fit has which explains the recording: an
-# axis at rest keeps an error of up to half a count. How often the errors of the model take the place
-# of that noise otherwise.
+# axis at rest keeps an error of up to half a count. How often the errors of the model take the
+# place of that noise otherwise.
 EXPLAINED, REWEIGHTED = 3.0**0.5, 4
 # Residuals in the noise that was assumed from which that is assumed anew.
 EXCESSIVE = 0.7
@@ -58,6 +58,8 @@ EXCESSIVE = 0.7
 DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
 # Friction under load that makes other values so much smaller that it is named.
 SMALL_LOAD = 0.05
+# Part of that motion which is noise where the noise is as large as the rest.
+NOISY_PART = 0.5**0.5
 # Fewest segments for each unknown, and largest standard error of a usable inertia.
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
@@ -288,9 +290,7 @@ def _travel(position: np.ndarray) -> float:
     return float(np.ptp(known)) if len(known) else 0.0
 
 
-def _first_fits(
-    recordings: Sequence[Recording], cut: Segments
-) -> Iterator[tuple[Fit, Scales]]:
+def _first_fits(recordings: Sequence[Recording], cut: Segments) -> Iterator[tuple[Fit, Scales]]:
     """Fits without further effects, and the usual sizes of everything."""
     even = [smoothed(recording) for recording in recordings]
     speed = float(np.sqrt(np.mean(np.concatenate([each.speed for each in even]) ** 2)))
@@ -317,17 +317,14 @@ def _result(
     left = best.rms * _noise(cut)
     part, covered = left / _forced_motion(cut), best.covariance
     hidden = largest_hidden_fall(cut, best, scales)
+    about = Averaged(covered, [])
     if torques is not None:
         best, covered, part, _ = torques
     else:
-        covered, rivals, at_once, hidden_load = averaged_errors(cut, best, scales, len(recordings) == 1)
+        about = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
+        covered = about.covariance
     values, errors, undetermined = reported_values(best, covered)
-    if torques is None:
-        for key, rival in zip(best.unknowns.keys, rivals, strict=True):
-            alone = chance_of(best, _together(key, best)) < BY_CHANCE
-            if rival is not None and alone and name_of(key) in undetermined:
-                why = undetermined[name_of(key)].removesuffix(NOT_DISTINGUISHABLE)
-                undetermined[name_of(key)] = why + described(rival)
+    undetermined |= _explained_otherwise(best, about, undetermined)
     one_way = _one_way(recordings, best, covered)
     undetermined |= one_way
     values, errors = (
@@ -335,7 +332,7 @@ def _result(
         for each in (values, errors)
     )
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
-        value, error = float(best.values["alpha1"]), at_once
+        value, error = float(best.values["alpha1"]), about.stiction
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
             values["alpha1"], errors["alpha1"] = value, error
         else:
@@ -347,22 +344,23 @@ def _result(
                 f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
                 "alpha0 would not show"
             )
-    if torques is None and hidden_load > SMALL_LOAD and "load_friction" not in values:
-        undetermined["load_friction"] = (
-            f"one of {hidden_load:.2g} would not show; inertia and friction would be as much smaller"
-        )
     noises = left / sensor if torques is None else np.inf
     moved = f"motion, {noises:.1f} times the noise of the position"
     of = moved if torques is None else "torque"
     relative = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
     doubts = list(doubts_of(best, noises, part, relative, of))
+    if noises <= EXPLAINED and part > NOISY_PART:
+        why = "the noise of the position is larger than the motion that forces cause"
+        doubts.append((DOUBTFUL, f"{why}: record larger accelerations"))
     if one_way:
         doubts.append((DOUBTFUL, "the axis slides in one direction only: record reversals"))
     verdict = Verdict.of(doubts)
     findings = findings_of(recordings)
     if values.get("delay", 0.0) < 0.0:
         late = -1e3 * values["delay"]
-        findings.append(f"{recordings[0].name}: the torque is recorded {late:.2g} ms after it acted")
+        findings.append(
+            f"{recordings[0].name}: the torque is recorded {late:.2g} ms after it acted"
+        )
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
         undetermined["delay"] = "taken as 0, and its possible effect is part of the errors"
@@ -384,6 +382,23 @@ def _result(
     )
 
 
+def _explained_otherwise(
+    best: Fit, about: Averaged, undetermined: dict[str, str]
+) -> dict[str, str]:
+    """Why values are undetermined that would be determined if other effects were known."""
+    found = {}
+    for key, rival in zip(best.unknowns.keys, about.rivals, strict=bool(about.rivals)):
+        alone = chance_of(best, _together(key, best)) < BY_CHANCE
+        if rival is not None and alone and name_of(key) in undetermined:
+            why = undetermined[name_of(key)].removesuffix(NOT_DISTINGUISHABLE)
+            found[name_of(key)] = why + described(rival)
+    if about.load > SMALL_LOAD and "load_friction" not in best.unknowns.keys:
+        found["load_friction"] = (
+            f"one of {about.load:.2g} would not show; all values would be as much smaller"
+        )
+    return found
+
+
 def reported_values(
     best: Fit, covered: np.ndarray
 ) -> tuple[dict[str, float], dict[str, float], dict[str, str]]:
@@ -396,7 +411,9 @@ def reported_values(
         reported = "offset" if key == ("offset", 0) else name_of(key)
         groups = [_together(key, best)] + ([FALL[:1]] if key == FALL[1] else [])
         certain = all(chance_of(best, group, covered) < BY_CHANCE for group in groups)
-        free = field_of(key) == "offset" and error < best.unknowns[best.unknowns.keys.index(key)].size
+        free = (
+            field_of(key) == "offset" and error < best.unknowns[best.unknowns.keys.index(key)].size
+        )
         if free or certain:
             values[reported], errors[reported] = best.values[key], error
         else:
