@@ -232,7 +232,7 @@ class Neighbourhood(NamedTuple):
             for w, each, shift in zip(weight, covered, shifts, strict=True)
         )
         own = np.array([np.diag(each) for each in covered])
-        sigma = mixture_errors(weight, shifts, own * _few(len(self.about.scores) - self.count))
+        sigma = mixture_errors(weight, shifts, own * few(len(self.about.scores) - self.count))
         apart = weight[:, None] * shifts**2
         rivals = [
             likely[k].model if apart[k, j] > 0.25 * sigma[j] ** 2 else None
@@ -242,7 +242,7 @@ class Neighbourhood(NamedTuple):
         return Averaged(total * np.outer(factor, factor), rivals)
 
 
-def _few(freedom: int) -> float:
+def few(freedom: int) -> float:
     """How much larger a variance is to be taken that few blocks tell, so many of them free."""
     return float(0.5 * stdtrit(max(freedom, 3), ndtr(2.0))) ** 2
 

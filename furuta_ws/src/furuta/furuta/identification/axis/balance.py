@@ -185,7 +185,9 @@ def torque_columns(
     An asymmetry acts in proportion to a ``level`` of friction.
     """
     mean = windows.mean
-    torque = recording.commanded_at(part.time)
+    # A command holds until the next one: its mean about a time is that of the one before and after.
+    half = 0.5 * (part.time[1] - part.time[0])
+    torque = 0.5 * sum(recording.commanded_at(part.time + each) for each in (-half, half))
     q = np.interp(part.time, recording.time, recording.measured[:, PHI])
     speed, side = windows.slope(q), np.sign(mean(part.speed))
     return {

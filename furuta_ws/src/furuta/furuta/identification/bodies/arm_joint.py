@@ -372,6 +372,7 @@ def _result(
     covariance = covered * np.outer(sizes, sizes)
     for name, row, hidden in _loads_of(arm, best, size, rows):
         value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row) + hidden
+        value = value if value > ROUNDING * arm.scales.torque * (name == "gravity") else 0.0
         for named in (values, errors, undetermined):
             named.pop(name, None)
         if significance(np.array([value]), np.array([[variance]]), best.segments) < BY_CHANCE:
