@@ -67,9 +67,9 @@ def _judged(seed: int, log: Logged, fit: Callable[[], Identified]) -> Judged:
     begin = time.process_time()
     try:
         found = fit()
-    except ParameterError as error:
+    except ParameterError as refusal:
         spent = time.process_time() - begin
-        return Judged(seed, "refused", (log.kind, *log.traits), str(error), {}, (), (), spent)
+        return Judged(seed, "refused", (log.kind, *log.traits), str(refusal), {}, (), (), spent)
     spent = time.process_time() - begin
     off, invented, far = {}, [], []
     for name, error in found.standard_errors.items():

@@ -156,7 +156,7 @@ def _elements(name: str, values: np.ndarray) -> Iterator[tuple[str, np.ndarray]]
     if not is_list or len({each.shape for each in values}) != 1 or values[0].ndim != 1:
         yield name, values
         return
-    for k, column in enumerate(np.stack(values).T):
+    for k, column in enumerate(np.stack(list(values)).T):
         yield f"{name}[{k}]", column
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 # The name of an unknown, with a number if there are several: of a recording, or a wave's order.
-Key = str | tuple[str, float]
+Key = str | tuple[str, int]
 # A value for each key, in the coordinate of the fit: the quantity, or its logarithm.
 Values = Mapping[Key, float]
 

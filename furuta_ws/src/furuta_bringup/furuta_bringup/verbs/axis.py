@@ -108,14 +108,19 @@ def _identified(
 
     first, joint = records[0], next(iter(joints), None)
     about = {name: read.keywords[name] for name in OF_TABLE if name in read.keywords}
-    still = partial(read_axis, command=NO_COMMAND, **about)
+
+    def still(path: Path, **names: Any) -> Recording:
+        return read_axis(path, command=NO_COMMAND, **about, **names)
+
     if goal is not None:
-        position = still(first, read.keywords.get("position"), joint=joint)
-        return identify_servo(position, still(first, goal))
+        position = still(first, position=read.keywords.get("position"), joint=joint)
+        return identify_servo(position, still(first, position=goal))
     if moving or urdf is not None:
         own = one_after_the_other([read(each, joint=joint) for each in records])
         others = [
-            one_after_the_other([still(each, column or None, joint=name) for each in records])
+            one_after_the_other(
+                [still(each, position=column or None, joint=name) for each in records]
+            )
             for name, _, column in (each.partition("=") for each in moving)
         ]
         return identify_arm_joint(own, others, urdf)

@@ -132,8 +132,8 @@ class Neighbourhood(NamedTuple):
     """The problem about a fit with all effects of the catalogue, and the models about it."""
 
     about: Linearised
-    index: dict[Key, int]
-    count: int
+    rows: dict[Key, int]
+    fitted: int
     excess: np.ndarray
     inflation: float
     variance: float
@@ -141,7 +141,7 @@ class Neighbourhood(NamedTuple):
 
     def candidate(self, model: Model) -> Candidate:
         """One Gauss-Newton step to a model."""
-        rows, dropped = _rows(self.index, self.count, model)
+        rows, dropped = _rows(self.rows, self.fitted, model)
         about, step = self.about, np.zeros(len(self.about.gradient))
         step[dropped] = -self.excess[dropped]
         right = about.gradient[rows] - about.information[np.ix_(rows, dropped)] @ step[dropped]
@@ -149,20 +149,20 @@ class Neighbourhood(NamedTuple):
         step[rows] = inverted @ right
         expected = smaller = 0.0
         for group in model.added:
-            inside = [rows.index(self.index[key]) for key in group]
+            inside = [rows.index(self.rows[key]) for key in group]
             occam = self._occam(group, inverted[np.ix_(inside, inside)])
             expected += log_odds(group) - occam
             smaller += max(occam - DECADES, 0.0)
         if dropped:
-            whole = inverse(about.information[: self.count, : self.count])
+            whole = inverse(about.information[: self.fitted, : self.fitted])
             for group in model.dropped:
-                inside = [self.index[key] for key in group]
+                inside = [self.rows[key] for key in group]
                 expected += self._occam(group, whole[np.ix_(inside, inside)]) - log_odds(group)
         for positive in (key for key in (LOADED, EXCESS) if (key,) in model.added):
             # It is never negative: the mean of what is left of its distribution.
-            k = rows.index(self.index[positive])
+            k = rows.index(self.rows[positive])
             deviation = float(np.sqrt(inverted[k, k] * self.inflation))
-            above = step[self.index[positive]] / deviation
+            above = step[self.rows[positive]] / deviation
             step[rows] += inverted[:, k] / inverted[k, k] * deviation * _beyond_zero(above)
             expected += float(np.log(2.0) + log_ndtr(above))
         gain = float(2.0 * about.gradient @ step - step @ about.information @ step)
@@ -174,32 +174,32 @@ class Neighbourhood(NamedTuple):
 
     def hidden_load(self) -> float:
         """Largest friction under load that would not show, in its size."""
-        if self.index[LOADED] < self.count:
+        if self.rows[LOADED] < self.fitted:
             return 0.0
-        rows, _ = _rows(self.index, self.count, Model((), ((LOADED,),)))
-        k = rows.index(self.index[LOADED])
+        rows, _ = _rows(self.rows, self.fitted, Model((), ((LOADED,),)))
+        k = rows.index(self.rows[LOADED])
         inverted = inverse(self.about.information[np.ix_(rows, rows)])
         largest = inverted[k] @ self.about.gradient[rows]
         return float(largest + 2.0 * np.sqrt(inverted[k, k] * self.inflation))
 
     def _occam(self, group: Group, inverted: np.ndarray) -> float:
         """Half the logarithm of how much the segments narrow what was expected of an effect."""
-        own = [self.index[key] for key in group]
+        own = [self.rows[key] for key in group]
         expected = self.about.scatter[own] / np.maximum(self.about.prior[own], 1e-300) ** 2
         ratio = np.sum(np.log(expected)) - np.linalg.slogdet(inverted * self.inflation)[1]
         return max(0.5 * float(ratio), 0.0)
 
     def covariance(self, model: Model, step: np.ndarray) -> np.ndarray:
         """Covariance (p, p) of the best fit's unknowns in a model; dropped ones have none."""
-        about, (rows, _) = self.about, _rows(self.index, self.count, model)
+        about, (rows, _) = self.about, _rows(self.rows, self.fitted, model)
         information = about.information[np.ix_(rows, rows)]
         blocks = about.blocks[:, rows][:, :, rows]
         scores = (about.scores - about.blocks @ step)[:, rows]
         inverted = inverse(information)
         found = jackknife(information, blocks, scores) + (inverted * about.scatter[rows]) @ inverted
         found = at_least(found, inverted * self.variance)
-        own = [k for k, row in enumerate(rows) if row < self.count]
-        covered = np.zeros((self.count, self.count))
+        own = [k for k, row in enumerate(rows) if row < self.fitted]
+        covered = np.zeros((self.fitted, self.fitted))
         places = [rows[k] for k in own]
         covered[np.ix_(places, places)] = found[np.ix_(own, own)]
         return covered
@@ -212,7 +212,7 @@ class Neighbourhood(NamedTuple):
             for c, k in zip(candidates, log_weights, strict=True)
             if k > log_weights.max() + np.log(NEGLIGIBLE)
         ]
-        if LOADED in self.index and self.index[LOADED] >= self.count:
+        if LOADED in self.rows and self.rows[LOADED] >= self.fitted:
             more = [
                 self.candidate(Model(c.model.dropped, (*c.model.added, (LOADED,))))
                 for c in likely
@@ -222,7 +222,7 @@ class Neighbourhood(NamedTuple):
         weight = np.exp(np.array([each.weight for each in likely]) - log_weights.max())
         kept = np.flatnonzero(weight > NEGLIGIBLE * weight.sum())
         weight, likely = weight[kept] / weight[kept].sum(), [likely[k] for k in kept]
-        shifts = np.array([each.step[: self.count] for each in likely])
+        shifts = np.array([each.step[: self.fitted] for each in likely])
         covered = [
             self.covariance(each.model, each.step) if each.covered is None else each.covered
             for each in likely
@@ -232,7 +232,7 @@ class Neighbourhood(NamedTuple):
             for w, each, shift in zip(weight, covered, shifts, strict=True)
         )
         own = np.array([np.diag(each) for each in covered])
-        sigma = mixture_errors(weight, shifts, own * few(len(self.about.scores) - self.count))
+        sigma = mixture_errors(weight, shifts, own * few(len(self.about.scores) - self.fitted))
         apart = weight[:, None] * shifts**2
         rivals = [
             likely[k].model if apart[k, j] > 0.25 * sigma[j] ** 2 else None
@@ -255,7 +255,7 @@ def _beyond_zero(mean: float) -> float:
 def log_odds(group: Group) -> float:
     """Of an effect, before anything is known of it; low orders of waves are more probable."""
     wave = field_of(group[0]) == "cos"
-    probable = A_WAVE / (group[0][1] * HARMONIC) if wave else PROBABLE[field_of(group[0])]
+    probable = A_WAVE / (int(group[0][1]) * HARMONIC) if wave else PROBABLE[field_of(group[0])]
     return float(np.log(probable / (1.0 - probable)))
 
 

@@ -92,9 +92,9 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
 
     def columns(windows: Windows, recording: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
         found = torque_columns(windows, recording, part, wave_groups(scales), scales.level)
-        for relative in STRIBECK[1:]:
+        for number, relative in enumerate(STRIBECK[1:]):
             fallen = np.exp(-((part.speed / (relative * scales.speed)) ** 2))
-            found[FALL[0], relative] = found["alpha0"] * windows.mean(fallen)
+            found[FALL[0], number] = found["alpha0"] * windows.mean(fallen)
         return found
 
     length = max(window_length(recording) for recording in recordings)
@@ -116,8 +116,8 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
 def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
     """The values of the fit, with the fall of friction that explains most, if it is probable."""
     found = best
-    for relative in STRIBECK[1:]:
-        columns = rows.columns | {FALL[0]: rows.columns[FALL[0], relative]}
+    for number, relative in enumerate(STRIBECK[1:]):
+        columns = rows.columns | {FALL[0]: rows.columns[FALL[0], number]}
         values = {**best.values, FALL[1]: relative * scales.speed}
         keys = (*best.unknowns.keys, FALL[0])
         other = fitted_balance(rows._replace(columns=columns), keys, scales, values)
@@ -187,7 +187,8 @@ def torque_columns(
     mean = windows.mean
     # A command holds until the next one: its mean about a time is that of the one before and after.
     half = 0.5 * (part.time[1] - part.time[0])
-    torque = 0.5 * sum(recording.commanded_at(part.time + each) for each in (-half, half))
+    before, after = (recording.commanded_at(part.time + each) for each in (-half, half))
+    torque = 0.5 * (before + after)
     q = np.interp(part.time, recording.time, recording.measured[:, PHI])
     speed, side = windows.slope(q), np.sign(mean(part.speed))
     return {

@@ -206,7 +206,7 @@ def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Av
     if not best.values["alpha1"]:
         # A fall is as probable beside each of the models.
         alone = there.candidate(Model((), ()))
-        falls = there.averaged([alone, *falls_beside(cut, best, scales, len(there.index))])
+        falls = there.averaged([alone, *falls_beside(cut, best, scales, len(there.rows))])
         wider = np.diag(falls.covariance) / np.diag(found.covariance)
         factor = np.sqrt(np.maximum(wider, 1.0))
         return found._replace(covariance=found.covariance * np.outer(factor, factor))

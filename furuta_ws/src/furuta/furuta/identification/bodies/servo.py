@@ -155,7 +155,8 @@ def _averaged(problem: Problem, best: Fit) -> tuple[Fit, np.ndarray]:
     As friction that falls at once it moves in stairs: it is held, and all of a grid count by their
     evidence.
     """
-    tried = [{**best.values, "alpha1": part * best.values["alpha0"]} for part in (0.0, *EXCESSES)]
+    level = best.values["alpha0"]
+    tried: list[Values] = [{**best.values, "alpha1": part * level} for part in (0.0, *EXCESSES)]
     gains, steps = _gained(problem, best, tried)
     if np.max(gains) > np.log(len(EXCESSES)):
         other = fit(problem, tried[int(np.argmax(gains))], best.state.first)
@@ -173,7 +174,7 @@ def _gained(problem: Problem, best: Fit, tried: list[Values]) -> tuple[np.ndarra
     """Logarithms of the evidence (n,) of values against a fit, and steps (n, p) to them."""
     project, inflation = projection(problem, best), best.inflation(SURE)
     least = float(project(best.values)[0].sum())
-    near = [{**best.values, "alpha1": each["alpha1"]} for each in tried]
+    near: list[Values] = [{**best.values, "alpha1": each["alpha1"]} for each in tried]
     squares, steps = zip(*(project(each) for each in near), strict=True)
     gains = [explained_by(least, float(each.sum()), inflation) for each in squares]
     return np.array(gains), np.array(steps)
