@@ -392,8 +392,12 @@ def fall_errors(cut: Segments, best: Fit, scales: Scales) -> tuple[np.ndarray, f
     if rows:
         step[rows] = np.maximum(errors**2 - own**2, 0.0) / size[rows] ** 2
         return np.diag(step), 0.0
-    step[others] = project({**best.values, FALL[0]: here[0] + own[0]})[1]
-    return np.outer(step, step), float(errors[0])
+    found = np.zeros((len(keys), len(keys)))
+    for sign in (1.0, -1.0):  # as far as the segments do not contradict it
+        squares, step[others] = project({**best.values, FALL[0]: here[0] + sign * own[0]})
+        gained = explained_by(least, float(squares.sum()), inflation)
+        found += 0.5 * float(np.exp(min(gained, 0.0))) * np.outer(step, step)
+    return found, float(errors[0])
 
 
 def _error_at_once(best: Fit, project: Projection) -> float:
