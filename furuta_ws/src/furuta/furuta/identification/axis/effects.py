@@ -392,12 +392,21 @@ def fall_errors(cut: Segments, best: Fit, scales: Scales) -> tuple[np.ndarray, f
     if rows:
         step[rows] = np.maximum(errors**2 - own**2, 0.0) / size[rows] ** 2
         return np.diag(step), 0.0
-    found = np.zeros((len(keys), len(keys)))
-    for sign in (1.0, -1.0):  # as far as the segments do not contradict it
-        squares, step[others] = project({**best.values, FALL[0]: here[0] + sign * own[0]})
-        gained = explained_by(least, float(squares.sum()), inflation)
-        found += 0.5 * float(np.exp(min(gained, 0.0))) * np.outer(step, step)
-    return found, float(errors[0])
+    step[others] = own[0] * _along(best, project, inflation)
+    return np.outer(step, step), float(errors[0])
+
+
+def _along(best: Fit, project: Projection, inflation: float) -> np.ndarray:
+    """How other values (p,) move with stiction, over what the segments do not contradict."""
+    near = [{**best.values, FALL[0]: k * best.values[FALL[0]]} for k in NEAR]
+    squares, steps = zip(*(project(values) for values in near), strict=True)
+    costs = np.array([each.sum() for each in squares])
+    gains = [explained_by(costs[0], each, inflation) for each in costs]
+    moved = (NEAR - 1.0) * best.values[FALL[0]]
+    weighted = np.exp(np.minimum(gains, 0.0)) * moved
+    apart = np.array(steps) - steps[0]
+    slopes: np.ndarray = weighted @ apart / max(float(weighted @ moved), 1e-300)
+    return slopes
 
 
 def _error_at_once(best: Fit, project: Projection) -> float:

@@ -60,6 +60,8 @@ DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
 SMALL_LOAD = 0.05
 # Part of that motion which is noise where the noise is as large as the rest.
 NOISY_PART = 0.5**0.5
+# Part of a row within which it is not known when its torque began.
+WITHIN_ROW = 0.1
 # Fewest segments for each unknown, and largest standard error of a usable inertia.
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
@@ -322,7 +324,11 @@ def _result(
         best, covered, part, _ = torques
     else:
         about = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
-        covered = about.covariance
+        covered = about.covariance.copy()
+        if "delay" in best.unknowns.keys:
+            k = best.unknowns.keys.index("delay")
+            instant = WITHIN_ROW * max(each.interval for each in recordings)
+            covered[k, k] += (instant / best.unknowns[k].size) ** 2
     values, errors, undetermined = reported_values(best, covered)
     undetermined |= _explained_otherwise(best, about, undetermined)
     one_way = _one_way(recordings, best, covered)
