@@ -232,7 +232,7 @@ def usable_part(recording: Recording) -> Recording:
     """
     if len(recording.command) and np.ptp(recording.command) == 0.0:
         raise ParameterError(
-            f"{recording.name}: the torque is {recording.command[0]:g} throughout; name another "
+            f"{recording.name}: the torque is {recording.command[0] + 0.0:g} throughout; name another "
             "column with --command"
         )
     travel, count = (f(recording.measured[:, PHI]) for f in (_travel, quantisation_step))
