@@ -231,9 +231,10 @@ def usable_part(recording: Recording) -> Recording:
         ParameterError: The axis hardly moves.
     """
     if len(recording.command) and np.ptp(recording.command) == 0.0:
+        constant = recording.command[0] + 0.0  # no -0
         raise ParameterError(
-            f"{recording.name}: the torque is {recording.command[0] + 0.0:g} throughout; name another "
-            "column with --command"
+            f"{recording.name}: the torque is {constant:g} throughout; name another column with "
+            "--command"
         )
     travel, count = (f(recording.measured[:, PHI]) for f in (_travel, quantisation_step))
     if not travel >= COUNTS * count > 0.0:
