@@ -1,201 +1,215 @@
-"""Do standard errors hold? Random rigs or axes, each identified from one simulated recording.
+"""Do standard errors hold, and is nothing refused for a false reason? Logs of an independent truth.
 
-    tools/in_environment python benchmarks/standard_errors.py rigs --number 200
-    tools/in_environment python benchmarks/standard_errors.py axes --number 200
+    tools/in_environment python benchmarks/standard_errors.py axes --first 0 --number 150 --jobs 2
 
-``rigs`` are those of furuta_ws/tests/random_rigs.py: waves, tilt, ceilings, unequal friction, 6 s
-under 1 to 6 V, five kinds of command in turn. No step of a command with one level shows that the
-drive gives less than commanded.
+``axes`` are those of logged_motions.py; ``loaded`` ones have friction in proportion to the torque.
+``servos`` have a loop of their own, every second one with stiction. ``chains`` are the joints of
+moving arms (logged_chains.py), joints that move in proportion among them. ``rigs`` are pendulums on
+arms that stick (logged_rigs.py).
 
-``axes`` are those of furuta_ws/tests/true_axes.py, 20 s with encoders of 500 to 20000 counts and
-noise: with and without delay, gravity, spring, stiction, Stribeck friction, unequal friction and
-waves. Asymmetry with Coulomb friction alone cannot be told from an offset: the prior of 0.2 covers
-it.
-
-``drives`` are those of furuta_ws/tests/driven_axes.py: axes that move as engineers move them, by
-S-curves with and without feedforward, jogs, triangles, speed steps, random binary torques and
-sines, at 100 to 1000 Hz for 10 to 30 s.
-
-``arms`` are those of furuta_ws/tests/true_arms.py: arms of two to four links of which all joints
-move, with and without friction in proportion to gravity, for 20 to 40 s; ``arms-without-geometry``
-are the same without their URDF.
-
-For each value it prints how often the truth lies within two standard errors and how often beyond
-four, the median deviation in standard errors, which shows a bias, and the median standard error.
+Each log has a line: its verdict with the reasons, and each value's deviation in standard errors.
+Tables follow of all usable fits: how many values lie within two and beyond four standard errors, by
+kind of move, by value and by kind of truth. ``invented`` are effects that are reported and do not
+exist, ``far`` are values more than 10 % and two standard errors off.
 """
 
 import argparse
-import sys
 import time
 from collections import Counter, defaultdict
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Callable
+from multiprocessing import Pool
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
+from logged_chains import logged_chain
+from logged_motions import Logged, logged_axis, logged_servo
+from logged_rigs import logged_rig
 
-from furuta.identification.axis.identify import GRAVITY_TRAVEL, identify_axis
+from furuta.identification.axis.identify import identify_axis
 from furuta.identification.bodies.arm_joint import identify_arm_joint
+from furuta.identification.bodies.servo import identify_servo
 from furuta.identification.identify import identify
 from furuta.identification.options import Options
-from furuta.identification.regression.equations import has_one_level
 from furuta.identification.result.values import values_by_name, verdict
+from furuta.identification.verdict import Identified
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "furuta_ws" / "tests"))
-
-from driven_axes import MOTIONS, driven_axis  # type: ignore[import-not-found]
-from random_rigs import Rig, sampled  # type: ignore[import-not-found]
-from true_arms import moved_arm  # type: ignore[import-not-found]
-from true_axes import TrueAxis, random_axis  # type: ignore[import-not-found]
-
-NEAR, FAR = 2.0, 4.0
-# Of each value, by name: its deviation in standard errors, and the relative standard error [%].
-Found = dict[str, tuple[float, float]]
+NEAR, FAR, PART = 2.0, 4.0, 0.1
+# What every axis has, so that a report of it is not invented.
+ALWAYS = ("offset", "delay")
 
 
 class Judged(NamedTuple):
-    """What is said of a recording, the groups that its values count in, and the values."""
+    """A fit: verdict, what it counts as, reasons, deviations by name, and what is wrong of it."""
 
-    remark: str
+    seed: int
+    usable: str
     groups: tuple[str, ...]
-    found: Found
+    reasons: str
+    off: dict[str, float]
+    invented: tuple[str, ...]
+    far: tuple[str, ...]
+    seconds: float
 
 
-def truth(rig: Rig) -> dict[str, float]:
-    """True values of what `identify` reports."""
-    level = 0.5 * (rig.forward + rig.backward)
-    return {
-        "alpha": rig.alpha,
-        "beta": rig.beta,
-        "gamma": rig.gamma,
-        "delta": rig.delta,
-        "natural_frequency_rad_s": float(np.sqrt(rig.delta / rig.beta)),
-        "viscous": rig.viscous,
-        "coulomb": level,
-        "asymmetry": 0.5 * (rig.forward - rig.backward) / level,
-        "pendulum_viscous": rig.pendulum_viscous,
-    }
+def recording_of(log: Logged, joint: str = "axis") -> Recording:
+    """A log as the identification reads it."""
+    measured = np.full((len(log.time), 4), np.nan)
+    measured[:, 0] = log.position
+    return Recording(joint, log.time, measured, log.time, log.command, joint=joint)
 
 
-def _compared(
-    values: Mapping[str, float], errors: Mapping[str, float], truth: Mapping[str, float]
-) -> Found:
-    """Values with a standard error, compared with the truth; what it does not name is 0 there."""
-    found = {}
-    for name, error in errors.items():
-        true = truth.get(name, 0.0)
-        size = 100.0 * error / abs(true) if true else np.inf
-        found[name] = ((values[name] - true) / error, size)
-    return found
-
-
-def rig(seed: int) -> Judged:
-    """A rig, whose verdict and commands decide in which groups it counts."""
-    sample, _, recording = sampled(seed)
-    model = identify([recording], Options())
-    values, true = values_by_name(model), truth(sample)
-    given = values["standard_errors"]
-    errors = {name: given[name] for name in true if given[name] and values[name] is not None}
-    usable = verdict([model.predict(each) for each in model.recordings]).usable
-    groups = ["all fits"]
-    if usable == "yes":
-        several = not has_one_level(model.recordings)
-        groups += ["usable", "usable, several levels"] if several else ["usable"]
-    return Judged(f"usable: {usable}", tuple(groups), _compared(values, errors, true))
+def _judged(seed: int, log: Logged, fit: Callable[[], Identified]) -> Judged:
+    """What a fit says of a log, beside what is true."""
+    begin = time.process_time()
+    try:
+        found = fit()
+    except ParameterError as refusal:
+        spent = time.process_time() - begin
+        return Judged(seed, "refused", (log.kind, *log.traits), str(refusal), {}, (), (), spent)
+    spent = time.process_time() - begin
+    off, invented, far = {}, [], []
+    for name, error in found.standard_errors.items():
+        true = log.values.get(name, 0.0)
+        wrong = found.values[name] - true
+        off[name] = float(wrong / error)
+        if not true and name not in ALWAYS:
+            invented.append(name)
+        if abs(wrong) > max(NEAR * error, PART * abs(true)) and name not in ALWAYS:
+            far.append(name)
+    reasons = "; ".join(found.verdict.reasons)
+    groups = (log.kind, *log.traits)
+    return Judged(
+        seed, found.verdict.usable, groups, reasons, off, tuple(invented), tuple(far), spent
+    )
 
 
 def axis(seed: int) -> Judged:
-    """An axis; the remark names effects that are reported though it does not have them."""
-    sample, _, recording = random_axis(seed)
-    return _judged_axis(sample, recording)
+    """An axis."""
+    log = logged_axis(seed)
+    return _judged(seed, log, lambda: identify_axis(recording_of(log)))
 
 
-def drive(seed: int) -> Judged:
-    """An axis under a controller, which also counts in the group of its motion.
-
-    One whose travel does not tell gravity from a spring, or a wave from either, does not count.
-    """
-    sample, motion, recording = driven_axis(seed)
-    judged = _judged_axis(sample, recording)
-    travel = float(np.ptp(recording.measured[:, 0]))
-    gravity = travel < GRAVITY_TRAVEL and (sample.gravity_sin or sample.gravity_cos)
-    if gravity or (sample.wave and sample.order * travel < 2.0 * np.pi):
-        return judged._replace(remark="its travel does not tell its effects", groups=())
-    return judged._replace(groups=(*judged.groups, *(motion for _ in judged.groups[:1])))
+def loaded(seed: int) -> Judged:
+    """An axis whose friction grows with the torque."""
+    log = logged_axis(seed, loaded=True)
+    return _judged(seed, log, lambda: identify_axis(recording_of(log)))
 
 
-def _judged_axis(sample: TrueAxis, recording: Recording) -> Judged:
-    fit, true = identify_axis(recording), sample.values()
-    invented = " ".join(name for name in fit.values if not true.get(name))
-    remark = f"usable: {fit.usable}{', invented: ' if invented else ''}{invented}"
-    groups = ("usable",) if fit.usable == "yes" else ()
-    return Judged(remark, groups, _compared(fit.values, fit.standard_errors, true))
+def servo(seed: int) -> Judged:
+    """A servo, every second one with stiction."""
+    log = logged_servo(seed, bool(seed % 2))
+    return _judged(seed, log, lambda: identify_servo(recording_of(log)))
 
 
-def arm(seed: int, geometry: bool = True) -> Judged:
-    """A joint of a moving arm, of which all fits that are not useless count."""
+def chain(seed: int) -> Judged:
+    """A joint of a moving arm."""
+    log, others, urdf = logged_chain(seed)
     with TemporaryDirectory() as folder:
-        urdf = Path(folder) / "arm.urdf"
-        _, motion, (recording, others, true) = moved_arm(seed, urdf)
-        fit = identify_arm_joint(recording, others, urdf if geometry else None)
-    missing = [name for name, value in true.items() if value and name not in fit.values]
-    remark = f"usable: {fit.usable}{', not determined: ' if missing else ''}{' '.join(missing)}"
-    groups = (f"usable or doubtful, {motion}", "together") if fit.usable != "no" else ()
-    return Judged(remark, groups, _compared(fit.values, fit.standard_errors, true))
+        file = Path(folder) / "arm.urdf"
+        file.write_text(urdf, encoding="utf-8")
+        moving = [recording_of(each, f"joint{k}") for k, each in others.items()]
+        own = recording_of(log, f"joint{logged_joint(log)}")
+        return _judged(seed, log, lambda: identify_arm_joint(own, moving, file))
+
+
+def logged_joint(log: Logged) -> int:
+    """The number of the joint of a log."""
+    return int(log.traits[0].removeprefix("joint "))
+
+
+class _Rig(NamedTuple):
+    """The report of a rig in the form of the others."""
+
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    verdict: object
+
+
+def rig(seed: int) -> Judged:
+    """A rig."""
+    log, measured = logged_rig(seed)
+
+    def fit() -> _Rig:
+        model = identify(
+            [Recording("rig", log.time, measured, log.time, log.command, in_radians=True)],
+            Options(),
+        )
+        found = values_by_name(model)
+        errors = {name: value for name, value in found["standard_errors"].items() if value}
+        errors = {k: v for k, v in errors.items() if k in log.values and found[k] is not None}
+        predictions = [model.predict(each) for each in model.recordings]
+        return _Rig(found, errors, verdict(predictions))
+
+    return _judged(seed, log, fit)  # type: ignore[arg-type]
 
 
 STUDIES: dict[str, Callable[[int], Judged]] = {
-    "rigs": rig,
     "axes": axis,
-    "drives": drive,
-    "arms": arm,
-    "arms-without-geometry": partial(arm, geometry=False),
+    "loaded": loaded,
+    "servos": servo,
+    "chains": chain,
+    "rigs": rig,
 }
 
 
 def main() -> None:
-    """Fit the recordings and print a line for each, then one for each value."""
+    """Fit the logs, print a line for each, then the tables."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("kind", choices=STUDIES)
-    parser.add_argument("--number", type=int, default=200)
+    parser.add_argument("study", choices=STUDIES)
     parser.add_argument("--first", type=int, default=0, help="seed of the first one")
+    parser.add_argument("--number", type=int, default=60)
+    parser.add_argument("--jobs", type=int, default=1)
     given = parser.parse_args()
-    remarks = Counter[str]()
-    groups: dict[str, dict[str, list[tuple[float, float]]]] = defaultdict(lambda: defaultdict(list))
-    begin = time.process_time()
-    for seed in range(given.first, given.first + given.number):
-        try:
-            judged = STUDIES[given.kind](seed)
-        except ParameterError as error:
-            remarks["asked"] += 1
-            print(f"{seed}: asked: {error}", flush=True)
-            continue
-        remarks[judged.remark] += 1
-        rounded = {name: round(float(off), 1) for name, (off, _) in judged.found.items()}
-        print(f"{seed}: {judged.remark}; {rounded}", flush=True)
-        for group in judged.groups:
-            for name, pair in judged.found.items():
-                groups[group]["wave" if name[:4] in ("cos ", "sin ") else name].append(pair)
-    for title, rows in groups.items():
-        print(f"{title:26}{'number':>8}{'within':>9}{'beyond':>9}{'median':>9}{'error':>9}")
-        for name, pairs in rows.items() if title not in MOTIONS else ():
-            _print(name, pairs)
-        _print("together", [pair for pairs in rows.values() for pair in pairs])
-    print(f"{time.process_time() - begin:.0f} s of CPU, the simulation included")
-    print(*(f"{count:4d} {remark}" for remark, count in remarks.most_common()), sep="\n")
+    seeds = range(given.first, given.first + given.number)
+    with Pool(given.jobs) as pool:
+        found = []
+        for each in pool.imap(STUDIES[given.study], seeds):
+            found.append(each)
+            off = " ".join(f"{name}:{value:.1f}" for name, value in each.off.items())
+            print(
+                f"{each.seed} {each.usable} {each.seconds:.1f} s [{', '.join(each.groups)}] {off}",
+                flush=True,
+            )
+            if each.reasons:
+                print(f"    {each.reasons}", flush=True)
+    print_tables(found)
 
 
-def _print(name: str, pairs: list[tuple[float, float]]) -> None:
-    off, errors = np.array(pairs).T
-    within, beyond = 100.0 * np.mean(np.abs(off) <= NEAR), 100.0 * np.mean(np.abs(off) > FAR)
-    middle = f"{np.median(off):9.2f}{np.median(errors):8.2f}%"
-    print(f"{name:26}{len(pairs):8d}{within:8.1f}%{beyond:8.2f}%{middle}")
+def print_tables(found: list[Judged]) -> None:
+    """Verdicts, coverage by group, and what is invented or far off."""
+    counts = Counter(each.usable for each in found)
+    print(*(f"{usable} {count}" for usable, count in counts.items()), sep=", ")
+    for usable in ("yes", "doubtful"):
+        chosen = [each for each in found if each.usable == usable]
+        print(f"{usable + ', all':34}{_covered([x for e in chosen for x in e.off.values()])}")
+        groups: dict[str, list[float]] = defaultdict(list)
+        for each in chosen if usable == "yes" else ():
+            for name, off in each.off.items():
+                kind = "wave" if name[:4] in ("cos ", "sin ") else name
+                for group in (*each.groups, f"value {kind}"):
+                    groups[group].append(off)
+        for group in sorted(groups):
+            print(f"  {group:32}{_covered(groups[group])}")
+        for word, names in (("invented", "invented"), ("far", "far")):
+            of = [(e.seed, *getattr(e, names)) for e in chosen if getattr(e, names)]
+            total = sum(len(row) - 1 for row in of)
+            print(f"  {word}: {total} values of {len(of)} fits: {of}")
+    seconds = [each.seconds for each in found]
+    print(f"CPU of a fit: median {np.median(seconds):.2f} s, together {np.sum(seconds):.0f} s")
+
+
+def _covered(off: list[float]) -> str:
+    if not off:
+        return "no values"
+    size = np.abs(off)
+    near, far = 100.0 * np.mean(size <= NEAR), 100.0 * np.mean(size > FAR)
+    return f"{len(off):5d} values, {near:5.1f} % within two, {far:4.1f} % beyond four"
 
 
 if __name__ == "__main__":

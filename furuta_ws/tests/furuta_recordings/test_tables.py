@@ -356,5 +356,77 @@ def test_matlab_and_numpy_files(tmp_path: Path) -> None:
             read(tmp_path / f"{file}.mat", NO_NAMES)
 
 
+def test_structs_that_share_a_field_keep_their_names(tmp_path: Path) -> None:
+    """Positions of one are not taken with the torque of another; its time belongs to it."""
+    file = tmp_path / "two.mat"
+    measured = {"time": TIME, "position": STATE[:, 0], "torque": VOLTS}
+    savemat(file, {"measured": measured, "planned": {"time": TIME, "position": 2.0 * STATE[:, 0]}})
+    with pytest.raises(ParameterError, match=r"measured\.position, planned\.position"):
+        read_axis(file)
+    found = read_axis(file, position="planned.position")
+    np.testing.assert_allclose(found.measured[:, 0], 2.0 * STATE[:, 0])
+    np.testing.assert_allclose(found.command, VOLTS)
+
+
+def test_lists_in_parquet_are_read_by_element(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    rows = {"timestamp": TIME, "action": list(STATE), "torque": VOLTS}
+    parquet.write_table(pyarrow.table(rows), tmp_path / "log.parquet")
+    with pytest.raises(ParameterError, match=r"lists of 4; name an element, such as action\[0\]"):
+        read_axis(tmp_path / "log.parquet", position="action")
+    found = read_axis(tmp_path / "log.parquet", position="action[2]")
+    np.testing.assert_allclose(found.measured[:, 0], STATE[:, 2])
+
+
+@pytest.mark.parametrize("given", [None, "dt"])
+def test_a_column_of_steps_is_summed(tmp_path: Path, given: str | None) -> None:
+    rows = "\n".join(f"0.005,{x:.9f},{u}" for x, u in zip(STATE[:, 0], VOLTS, strict=True))
+    (tmp_path / "log.csv").write_text(f"dt,position,torque\n{rows}\n")
+    found = read_axis(tmp_path / "log.csv", time=given)
+    np.testing.assert_allclose(found.time, TIME, atol=1e-9)
+    assert any("since the row before: summed" in text for text in found.findings)
+
+
+def test_angle_and_velocity_are_one_joint(tmp_path: Path) -> None:
+    rows = (f"{t},{x:.9f},{v:.9f}" for t, (x, v) in zip(TIME, STATE[:, :2], strict=True))
+    found = recording_of(
+        tmp_path, "\n".join(["time,angle,velocity", *rows]), Mapping(command="none")
+    )
+    np.testing.assert_allclose(found.measured[:, 2:], STATE[:, :2])
+
+
+def test_a_table_without_a_header(tmp_path: Path) -> None:
+    """Its columns are named, its rate is given; what it has itself is not overruled."""
+    file = tmp_path / "log.csv"
+    file.write_text("\n".join(f"{x:.9f};{u}" for x, u in zip(STATE[:, 0], VOLTS, strict=True)))
+    found = read_axis(file, columns="position, torque", rate=200.0)
+    np.testing.assert_allclose(found.time, TIME)
+    np.testing.assert_allclose(found.measured[:, 0], STATE[:, 0], atol=1e-8)
+    for options, words in (
+        ({}, "give them with --columns"),
+        ({"columns": "position"}, "2 cells, --columns names 1"),
+        ({"columns": "time,torque", "rate": 1.0}, "has a column time"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            read_axis(file, **options)
+    file.write_text(table())
+    with pytest.raises(ParameterError, match="leave out --columns"):
+        read(file, Mapping(columns=HEADER))
+
+
+@pytest.mark.parametrize(
+    ("unit", "size", "named"),
+    [("mN", 1e-3, "N"), ("N-m", 1.0, "N m"), ("Ncm", 0.01, "N m"), ("kgf cm", 0.0980665, "N m")],
+)
+def test_units_of_drives(tmp_path: Path, unit: str, size: float, named: str) -> None:
+    position = "position_mm" if named == "N" else "position"
+    rows = "\n".join(f"{t},{x:.9f},{u}" for t, x, u in zip(TIME, STATE[:, 0], VOLTS, strict=True))
+    (tmp_path / "log.csv").write_text(f"time,{position},torque [{unit}]\n{rows}\n")
+    found = read_axis(tmp_path / "log.csv")
+    assert found.units[1] == named
+    np.testing.assert_allclose(found.command, size * VOLTS)
+
+
 def table_columns() -> list[np.ndarray]:
     return [TIME, *STATE.T, VOLTS]

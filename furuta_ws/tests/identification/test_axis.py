@@ -49,6 +49,21 @@ def test_everything_that_acts_is_found() -> None:
     assert {"delay", "gravity_sin", "drag", "cos 7"} <= set(fit.values)
 
 
+def test_a_torque_that_was_measured_acted_before_its_row() -> None:
+    """The delay is that of a row, negative, and a finding; all else is as if it were commanded."""
+    recording = sampled(PLAIN, size=2.0)
+    before = np.append(recording.command[:1], recording.command[:-1])
+    fit = identify_axis(recording._replace(command=before))
+    assert_near(fit, PLAIN, delay=-1.0 / 500.0)
+    assert any("the torque is recorded 2" in text for text in fit.findings)
+
+
+def test_a_torque_that_never_changes_is_refused() -> None:
+    recording = sampled(PLAIN)
+    with pytest.raises(ParameterError, match="the torque is 0 throughout"):
+        identify_axis(recording._replace(command=0.0 * recording.command))
+
+
 def test_offset_and_drift_do_not_bias_the_axis() -> None:
     """A free run predicts another recording, with the offset that this one has."""
     axis = PLAIN._replace(offset=0.02, drift=0.004, viscous_difference=-0.004)

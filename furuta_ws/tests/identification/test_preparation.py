@@ -1,7 +1,6 @@
 """Preparation and regression: units, signs, zeros, missing commands, ceilings, refusals.
 
 With FURUTA_RIGS=200 in the environment 200 random rigs are tried, by default a few.
-benchmarks/standard_errors.py fits them.
 """
 
 import os

@@ -30,7 +30,8 @@ GIVEN = """--set zeta1=0.8 --set alpha0=0.3 | --params PARAMETERS.yaml | --rig q
 --over alpha0=0.1:0.2:2 | --candidate coulomb | --namespace other |
 --scheduler tcp://127.0.0.1:9 | --friction alpha0=0.2 | --counts 500 | --lead 10mm |
 --joint other | --position wrist | --command wrist | --time time2 | --goal wrist |
---moving wrist2=wrist | --urdf ARM.urdf | --arm wrist | --pendulum wrist | --states states |
+--moving wrist2=wrist |
+--columns a,b | --urdf ARM.urdf | --arm wrist | --pendulum wrist | --states states |
 --zero hanging | --identify AXIS.csv | --axis JOINT.yaml | --topic x | --validate RIG.csv |
 --pid 3 6 0.2 | --cascade 10 0.3 1 | --port mock | --record BAG | --remap a:=b | --out OTHER |
 --seconds 14 | --arm-guard 0.3 | --pendulum-guard 0.01"""

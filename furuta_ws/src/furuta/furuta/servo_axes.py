@@ -87,7 +87,7 @@ def study_axis(
     if fit is not None:
         fit.require(force)
         axis = fit.axis(law)
-        known = fit.recordings[0].interval, fit.values.get("delay", 0.0)
+        known = fit.recordings[0].interval, max(fit.values.get("delay", 0.0), 0.0)
         turn = round(2.0 * math.pi / fit.resolution)
     elif law is not None or force:
         raise ParameterError("law and force belong to an identified axis")

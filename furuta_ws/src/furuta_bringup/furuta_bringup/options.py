@@ -265,13 +265,16 @@ def names_options(function: Function) -> Function:
         return function(*args, names=Names(**given), **others)
 
     for name, text in (
+        ("rate", "Rows per second [Hz] of a table without times."),
+        ("columns", "Names of the columns of a table without a header, separated by commas."),
         ("time", "Column of the time in a table."),
         ("states", "Topic of the joint states."),
         ("command", "Topic or column of the command; effort: that of the joint states."),
         ("pendulum", "Name of the pendulum's joint, in a recording of another rig."),
         ("arm", "Name of the arm's joint, in a recording of another rig."),
     ):
-        with_names = click.option(f"--{name}", f"{name}_name", help=text)(with_names)
+        kind = FiniteRange(0.0, 1e12, min_open=True) if name == "rate" else None
+        with_names = click.option(f"--{name}", f"{name}_name", type=kind, help=text)(with_names)
     return cast(Function, with_names)
 
 

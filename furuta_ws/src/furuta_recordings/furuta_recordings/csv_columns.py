@@ -61,12 +61,15 @@ class Table(NamedTuple):
     units: dict[str, str]
 
 
-def read_csv(path: Path) -> Table:
-    """The named columns of a table; times in s, since 1970 if they have a date."""
+def read_csv(path: Path, names: Sequence[str] = ()) -> Table:
+    """The columns of a table; times in s, since 1970 if they have a date.
+
+    ``names`` are those of the columns of a table without a header.
+    """
     for encoding in _encodings(path):
         try:
             with path.open(encoding=encoding, newline="") as file:
-                return _table(path, file)
+                return _table(path, file, names)
         except UnicodeError:
             continue
         except (OSError, csv.Error) as error:
@@ -90,10 +93,11 @@ def _encodings(path: Path) -> tuple[str, ...]:
     return () if b"\0" in start else ("utf-8-sig", "cp1252")
 
 
-def _table(path: Path, file: TextIO) -> Table:
+def _table(path: Path, file: TextIO, names: Sequence[str]) -> Table:
     head = [*islice(file, HIGHEST_HEADER + 2)]
-    above, begin = _lines_above(head)
-    header, number, separated, lines = _header(chain(head[above:], file), above)
+    above, begin = (0, 0) if names else _lines_above(head)
+    read = _header(chain(head[above:], file), above, names)
+    header, number, separated, lines = read
     cells = [Cells(name.strip()) for name in header]
     ignored = [header]
     numbered = _rows(csv.reader(lines, **separated), number, ignored, begin)
@@ -169,11 +173,11 @@ def _is_numbers(cells: Sequence[str]) -> bool:
 
 
 def _header(
-    file: Iterator[str], number: int
+    file: Iterator[str], number: int, given: Sequence[str]
 ) -> tuple[list[str], int, dict[str, Any], Iterator[str]]:
     """The header, the number of its line, how cells are separated, and the lines below.
 
-    ``number`` lines stand above what is given.
+    ``number`` lines stand above what is read; a table without a header has the names ``given``.
     """
     comment, separator, first = "", "", ""
     for first in file:
@@ -186,12 +190,23 @@ def _header(
             break
     separated = {"delimiter": separator} if separator else _separated(first)
     header = next(csv.reader([first], **separated), [])
+    if given:
+        if is_text(header):
+            raise csv.Error(f"line {number} names the columns: leave out --columns")
+        if len(header) != len(given):
+            raise csv.Error(
+                f"line {number} has {len(header)} cells, --columns names {len(given)} columns"
+            )
+        return list(given), number - 1, separated, chain([first], file)
     if is_text(header) or not header:
         return header, number, separated, file
     names = next(csv.reader([comment], **separated), [])
     if len(names) == len(header) and is_text(names):
         return names, number - 1, separated, chain([first], file)
-    raise csv.Error(f"line {number} holds numbers, where the names of the columns should stand")
+    raise csv.Error(
+        f"line {number} holds numbers, where the names of the columns should stand: give them with "
+        "--columns NAME,NAME,..."
+    )
 
 
 def _rows(

@@ -2,7 +2,8 @@
 
 import csv
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from math import prod
 from pathlib import Path
@@ -60,14 +61,27 @@ def read_columns(path: Path) -> dict[str, np.ndarray]:
     return numbers
 
 
-def read_table(path: Path) -> Table:
-    """The columns of any table, of CSV if the suffix is unknown; raises ParameterError."""
-    content = _read(path)
-    return content if isinstance(content, Table) else tabulated(path, content)
+def read_table(path: Path, names: Sequence[str] = (), rate: float | None = None) -> Table:
+    """The columns of any table, of CSV if the suffix is unknown; raises ParameterError.
+
+    A table without a header has these ``names``, one without times a ``rate`` [Hz] of its rows.
+    """
+    content = _read(path, names)
+    table = content if isinstance(content, Table) else tabulated(path, content)
+    if rate is None:
+        return table
+    if "time" in table.columns:
+        raise ParameterError(f"{path} has a column time: leave out --rate")
+    rows = len(next(iter(table.columns.values())))
+    return table._replace(columns={"time": np.arange(rows) / rate, **table.columns})
 
 
-def _read(path: Path) -> Any:
+def _read(path: Path, names: Sequence[str] = ()) -> Any:
     read = _format(path)[1] if path.suffix.lower() in SUFFIXES else read_csv
+    if names:
+        if read is not read_csv:
+            raise ParameterError(f"{path} has names of its own: leave out --columns")
+        read = partial(read_csv, names=names)
     if not path.is_file():
         raise ParameterError(f"no file {path}")
     try:
@@ -132,7 +146,18 @@ def _read_parquet(path: Path) -> dict[str, np.ndarray]:
     about = parquet.ParquetFile(path).metadata
     _check_size(path, 8 * about.num_rows * about.num_columns)
     table = parquet.read_table(path)
-    return {name: table[name].to_numpy() for name in table.column_names}
+    columns = {name: table[name].to_numpy() for name in table.column_names}
+    return {name: values for pair in columns.items() for name, values in _elements(*pair)}
+
+
+def _elements(name: str, values: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """A column, or one for each element of its lists, if they have one length."""
+    is_list = values.dtype.kind == "O" and all(isinstance(each, np.ndarray) for each in values)
+    if not is_list or len({each.shape for each in values}) != 1 or values[0].ndim != 1:
+        yield name, values
+        return
+    for k, column in enumerate(np.stack(list(values)).T):
+        yield f"{name}[{k}]", column
 
 
 def _write_matlab(path: Path, columns: Columns) -> None:
@@ -149,17 +174,25 @@ def _read_matlab(path: Path) -> dict[str, np.ndarray]:
         content = loadmat(path, appendmat=False, simplify_cells=True)
     except NotImplementedError:
         raise ParameterError(f"{path} is a file of MATLAB 7.3; save it with -v7") from None
-    return dict(_flat({name: content[name] for name in content if not name.startswith("__")}))
+    return _flat({name: content[name] for name in content if not name.startswith("__")})
 
 
-def _flat(content: Mapping[str, Any]) -> Iterator[tuple[str, np.ndarray]]:
-    """The arrays, those in structs by the names of their fields."""
+def _flat(content: Mapping[str, Any]) -> dict[str, np.ndarray]:
+    """The arrays, those in structs by their fields: as STRUCT.FIELD if two have the same."""
+    named = list(_arrays(content))
+    alone = len({path[-1] for path, _ in named}) == len(named)
+    return {path[-1] if alone else ".".join(path): values for path, values in named}
+
+
+def _arrays(content: Mapping[str, Any]) -> Iterator[tuple[tuple[str, ...], np.ndarray]]:
+    """The arrays, with the names of the structs that they are in."""
     for name, values in content.items():
         fields = values if isinstance(values, Mapping) else np.asarray(values).dtype.names
         if fields:
-            yield from _flat({field: values[field] for field in fields})
+            for path, array in _arrays({field: values[field] for field in fields}):
+                yield (name, *path), array
         else:
-            yield name, np.atleast_1d(values)
+            yield (name,), np.atleast_1d(values)
 
 
 def write_npz(path: Path, arrays: Columns) -> None:
@@ -184,7 +217,7 @@ def tabulated(path: Path, arrays: Columns) -> Table:
     """Arrays as columns: vectors of one length, and a matrix with as many names as columns."""
     table = Table(path, {}, {}, {})
     texts = [values for values in arrays.values() if values.dtype.kind in "OU"]
-    for name, values in _flat(arrays):
+    for name, values in _flat(arrays).items():
         vector = values.reshape(-1) if values.ndim < 2 or 1 in values.shape else values
         names = next((text for text in texts if text.shape == vector.shape[1:]), None)
         if not _is_numeric(vector):

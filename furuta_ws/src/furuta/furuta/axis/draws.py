@@ -57,6 +57,8 @@ class Consequences(NamedTuple):
 
 def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
     """The axis of a fit, without offset and drift; see :meth:`furuta.results.AxisFit.axis`."""
+    if "inertia" not in fit.values:
+        raise ParameterError(f"{fit.recordings[0].name}: {'; '.join(fit.reasons)}")
     at_once = "alpha1" in fit.values and "stribeck_velocity" not in fit.values
     law = law or ("stiction" if at_once else "stribeck")
     if law not in LAWS or find_law(law).bristle:

@@ -62,7 +62,7 @@ def joint_parameters(
         raise ParameterError(f"{joint}: no dry friction found, so there is nothing to compensate")
     axis, compensation = identified_axis(fit), recommended or USUAL
     units = paper_units(axis, controller)
-    delay = fit.values.get("delay", 0.0)
+    delay = max(fit.values.get("delay", 0.0), 0.0)
     suited = observer_parameters(axis, units, compensation, fit.resolution, sample_time, delay)
     load = {name: fit.values.get(name, 0.0) for name in OF_LOAD}
     return values(suited._replace(joint=joint, axis=suited.axis._replace(**load)))

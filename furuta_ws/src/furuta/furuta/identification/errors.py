@@ -7,7 +7,7 @@ from furuta_recordings.recording import Recording
 
 # Smallest eigenvalue of a scaled information, in the largest, that is no rounding; and the standard
 # error of a direction that is not determined, in sizes.
-UNKNOWN, ANYTHING = 1e-10, 100.0
+UNKNOWN, ANYTHING = 1e-13, 100.0
 # No sensor is better than this [rad, rad/s, rad, rad/s].
 SMALLEST_NOISE = (1e-5, 1e-4, 1e-5, 1e-4)
 
@@ -78,6 +78,7 @@ def jackknife(information: np.ndarray, blocks: np.ndarray, scores: np.ndarray) -
     blocks a sandwich estimate ignores how much each of them has influenced the fit.
     """
     left = inverse(information - blocks)
-    shift = np.einsum("bij,bj->bi", left, scores)
+    # A block may be all that tells of a direction.
+    shift = np.clip(np.einsum("bij,bj->bi", left, scores), -ANYTHING, ANYTHING)
     covariance: np.ndarray = (len(shift) - 1) / len(shift) * shift.T @ shift
     return covariance

@@ -38,6 +38,11 @@ LARGEST_ZERO_ERROR = 0.03
 
 def identify(recordings: list[Recording], options: Options) -> Model:
     """Fit one model to all recordings; raises :class:`ParameterError` if that is impossible."""
+    if not any(np.any(recording.command) for recording in recordings):
+        raise ParameterError(
+            f"{recordings[0].name}: the command is 0 throughout; use --command none for a pendulum "
+            "that swings freely"
+        )
     runs = [run for recording in recordings for run in split_into_runs(recording)]
     most = MOST_SAMPLES // len(runs)
     numbered = (run._replace(number=number) for number, run in enumerate(runs))

@@ -414,13 +414,18 @@ def _best_speeds(
     return best
 
 
-def projection(problem: Problem, about: Fit) -> Callable[[Values], np.ndarray]:
-    """A function of values: squares of each segment (s,) after one Gauss-Newton step from them.
+# What one Gauss-Newton step from values leaves: squares of each segment (s,), and the step (p,).
+Projection = Callable[[Values], tuple[np.ndarray, np.ndarray]]
 
-    The slopes are those of the fit: the values must be near.
+
+def projection(problem: Problem, about: Fit, which: Sequence[int] | None = None) -> Projection:
+    """A function of values: squares of each segment after one Gauss-Newton step, and the step.
+
+    The slopes are those of the fit: the values must be near. ``which`` of its unknowns step.
     """
     cut, p, k = problem.cut, len(about.unknowns), problem.cut.first.shape[1]
-    columns = about.about.columns.reshape(-1, p)
+    which = list(range(p)) if which is None else which
+    columns = about.about.columns.reshape(-1, p)[:, which]
     states, channels = about.about.states.reshape(-1, k), cut.measured.shape[1]
     pairs = list(itertools.pairwise(channels * cut.bounds))
     bases = [np.linalg.qr(states[a:b])[0] for a, b in pairs]
@@ -430,11 +435,14 @@ def projection(problem: Problem, about: Fit) -> Callable[[Values], np.ndarray]:
             [rows[a:b] - q @ (q.T @ rows[a:b]) for (a, b), q in zip(pairs, bases, strict=True)]
         )
 
-    basis, _ = np.linalg.qr(without(columns))
+    columns, linear = without(columns), about.about
+    inverted = inverse(linear.information[which][:, which])
+    of_prior = (linear.gradient - linear.scores.sum(axis=0))[which]
 
-    def squares(values: Values) -> np.ndarray:
+    def stepped(values: Values) -> tuple[np.ndarray, np.ndarray]:
         left = without(residuals(problem, values, about.state.first).ravel())
-        left -= basis @ (basis.T @ left)
-        return np.add.reduceat(left**2, channels * cut.bounds[:-1])
+        step = inverted @ (columns.T @ left + of_prior)
+        left -= columns @ step
+        return np.add.reduceat(left**2, channels * cut.bounds[:-1]), step
 
-    return squares
+    return stepped

@@ -13,6 +13,7 @@ from furuta_bringup.options import figure_option, json_option
 from furuta_bringup.printing import bar, show, with_status
 from furuta_bringup.verbs.axis_options import (
     IN_ARM,
+    OF_TABLE,
     SERVO,
     controller_options,
     number_options,
@@ -103,20 +104,26 @@ def _identified(
 ) -> AxisFit | AxisFits | JointFit:
     """What recordings tell of an axis, of several joints, of one in an arm, or of a servo."""
     from furuta import identify_arm_joint, identify_axes, identify_axis, identify_servo
+    from furuta_recordings.readers.assembly import one_after_the_other
 
     first, joint = records[0], next(iter(joints), None)
-    clock = read.keywords.get("time")
+    about = {name: read.keywords[name] for name in OF_TABLE if name in read.keywords}
+
+    def still(path: Path, **names: Any) -> Recording:
+        return read_axis(path, command=NO_COMMAND, **about, **names)
+
     if goal is not None:
-        column = read.keywords.get("position")
-        position = read_axis(first, column, NO_COMMAND, joint=joint, time=clock)
-        return identify_servo(position, read_axis(first, goal, NO_COMMAND, time=clock))
+        position = still(first, position=read.keywords.get("position"), joint=joint)
+        return identify_servo(position, still(first, position=goal))
     if moving or urdf is not None:
-        named = [each.partition("=") for each in moving]
+        own = one_after_the_other([read(each, joint=joint) for each in records])
         others = [
-            read_axis(first, column or None, NO_COMMAND, joint=name, time=clock)
-            for name, _, column in named
+            one_after_the_other(
+                [still(each, position=column or None, joint=name) for each in records]
+            )
+            for name, _, column in (each.partition("=") for each in moving)
         ]
-        return identify_arm_joint(read(first, joint=joint), others, urdf)
+        return identify_arm_joint(own, others, urdf)
     if len(joints) > 1:
         return identify_axes(
             {name: [read(each, joint=name) for each in records] for name in joints}, report=report

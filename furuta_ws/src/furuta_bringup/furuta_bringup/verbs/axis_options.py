@@ -63,7 +63,9 @@ SERVO = ("--goal",)
 GAIN = FiniteRange(0.0, 1e12)
 ABOVE = FiniteRange(0.0, 1e12, min_open=True)
 # Options that only a recording has, by their names in Python.
-OF_READER = ("position", "command", "torque_constant", "time", "lead")
+OF_READER = ("position", "command", "torque_constant", "time", "lead", "columns", "rate")
+# Those that say how a table is read.
+OF_TABLE = ("time", "columns", "rate")
 
 
 def _together(*options: Callable[[Function], Function]) -> Callable[[Function], Function]:
@@ -155,7 +157,7 @@ _recording_options = _together(
         type=PATH,
         metavar="FILE",
         multiple=True,
-        once_with=(*IN_ARM, *SERVO),
+        once_with=SERVO,
         help="Identify inertia and friction from a table or bag with time, position and "
         "torque; repeatable. Give no controller to do only this.",
     ),
@@ -215,6 +217,19 @@ _recording_options = _together(
         help="Torque or force per unit of the column of --command; default: 1.",
     ),
     option("--time", metavar="COLUMN", needs=RECORDING, help="Column of the time."),
+    option(
+        "--columns",
+        metavar="NAME,...",
+        needs=RECORDING,
+        help="Names of the columns of a table without a header, such as time,position,torque.",
+    ),
+    option(
+        "--rate",
+        type=ABOVE,
+        metavar="HZ",
+        needs=RECORDING,
+        help="Rows per second of a table without times.",
+    ),
     option(
         "--lead",
         type=Length(),

@@ -34,7 +34,7 @@ def read(path: Path, mapping: Mapping) -> Recording:
     if is_bag(path):
         from furuta_recordings.readers.bag import read_bag
 
-        _refuse(path, mapping, ("time",), "a bag has no columns")
+        _refuse(path, mapping, ("time", "columns", "rate"), "a bag has no columns")
         return with_usable_times(read_bag(path, mapping))
     _refuse(path, mapping, ("states",), "a table has no topics")
     return with_usable_times(table.read_table(path, mapping))
@@ -55,6 +55,8 @@ def read_axis(
     joint: str | None = None,
     time: str | None = None,
     lead: float = 0.0,
+    columns: str | None = None,
+    rate: float | None = None,
 ) -> Recording:
     """The recording of an axis: its position as arm angle [rad or m], its torque as command.
 
@@ -67,6 +69,8 @@ def read_axis(
         joint: Joint in a bag, or in a table with several; needed if there are several.
         time: Column of the time, if its name is not a usual one.
         lead: Way [m] per turn of the motor, if the position is a length and the drive a torque.
+        columns: Names of the columns, separated by commas, of a table without a header.
+        rate: Rows per second [Hz] of a table without times.
 
     Raises:
         ParameterError: The file cannot be read, or a name is missing or ambiguous.
@@ -81,13 +85,14 @@ def read_axis(
     if is_bag(path):
         from furuta_recordings.readers.bag import read_bag_axis
 
-        if position is not None or time is not None:
+        if any(each is not None for each in (position, time, columns, rate)):
             raise ParameterError(f"{path}: a bag has no columns; name its joint with --joint")
         recording = read_bag_axis(path, joint, command)
     else:
         from furuta_recordings.readers.table import read_axis_table
 
-        recording = read_axis_table(path, position, command, joint, time)
+        mapping = Mapping(command=command, time=time, columns=columns, rate=rate)
+        recording = read_axis_table(path, position, joint, mapping)
         recording = recording._replace(joint=joint or path.stem)
     recording = _in_units_of_an_axis(recording, torque_constant, lead)
     fewest = min(FEWEST_SAMPLES, len(recording.time))

@@ -117,6 +117,23 @@ def _one_after_the_other(
     return time, command_time, runs
 
 
+def one_after_the_other(recordings: Sequence[Recording]) -> Recording:
+    """Several recordings of one joint as the runs of one, in the first one's order."""
+    whole = recordings[0]
+    for each in recordings[1:]:
+        end = max(float(whole.time[-1]), float(np.max(whole.command_time, initial=0.0)))
+        shift = end + RUNS_APART - float(each.time[0])
+        whole = whole._replace(
+            time=np.append(whole.time, each.time + shift),
+            measured=np.vstack([whole.measured, each.measured]),
+            command_time=np.append(whole.command_time, each.command_time + shift),
+            command=np.append(whole.command, each.command),
+            findings=(*whole.findings, *each.findings),
+            begins=(*whole.begins, float(each.time[0] + shift)),
+        )
+    return whole
+
+
 def _run_numbers(time: np.ndarray) -> np.ndarray:
     """How often the time has begun anew before each row (n,).
 

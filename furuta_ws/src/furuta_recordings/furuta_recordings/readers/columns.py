@@ -44,7 +44,9 @@ LENGTH_UNITS = {
     **dict.fromkeys(("um", "µm"), 1e-6),
 }
 # An encoder's counts stay counts.
-DRIVE_UNITS = {**COMMAND_UNITS, "a": 1.0, "ma": 1e-3, "nm": 1.0, "mnm": 1e-3, "n": 1.0}
+TORQUE_UNITS = {"nm": 1.0, "mnm": 1e-3, "ncm": 1e-2, "kgfcm": 0.0980665, "kgcm": 0.0980665}
+FORCE_UNITS = {"n": 1.0, "mn": 1e-3}
+DRIVE_UNITS = {**COMMAND_UNITS, "a": 1.0, "ma": 1e-3, **TORQUE_UNITS, **FORCE_UNITS}
 COUNT_UNITS = dict.fromkeys(("counts", "count", "cts", "ticks"), 1.0)
 POSITION_UNITS = {**ANGLE_UNITS, **LENGTH_UNITS, **COUNT_UNITS}
 AXIS_SPEED_UNITS = {**SPEED_UNITS, **{f"{u}/s": s for u, s in (LENGTH_UNITS | COUNT_UNITS).items()}}
@@ -59,8 +61,8 @@ AXIS_UNITS = {
     **dict.fromkeys(COUNT_UNITS, "counts"),
     **dict.fromkeys(COMMAND_UNITS, "V"),
     **dict.fromkeys(("a", "ma"), "A"),
-    **dict.fromkeys(("nm", "mnm"), "N m"),
-    "n": "N",
+    **dict.fromkeys(TORQUE_UNITS, "N m"),
+    **dict.fromkeys(FORCE_UNITS, "N"),
 }
 
 # Last words of the names of an angle and of a speed; the words between joint and speed may be any
@@ -94,10 +96,10 @@ def column(name: str) -> Column:
 
 
 def _unit(text: str) -> str:
-    """A unit as the tables above write it: N·m, N m and N_m are nm, rad_s and rad_per_s rad/s."""
+    """A unit as the tables above write it: N·m, N-m and N_m are nm, rad_s and rad_per_s rad/s."""
     text = text.strip().lower()
     text = text.replace("_per_", "/").replace("_", "/")
-    return re.sub(r"[\s·⋅*.]", "", text).replace("n/m", "nm")
+    return re.sub(r"(n|kgf?)/(c?m)$", r"\1\2", re.sub(r"[\s·⋅*.-]", "", text))
 
 
 def unit_of(table: Table, name: str) -> str:

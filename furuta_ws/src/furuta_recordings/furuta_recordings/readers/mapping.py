@@ -15,7 +15,8 @@ NO_COMMAND = "none"
 class Mapping(NamedTuple):
     """Names given by the user: joints, command (topic or column), states (topic), time (column).
 
-    ``command`` is "none" if the motor was not driven.
+    ``command`` is "none" if the motor was not driven. A table without a header has ``columns``,
+    separated by commas, one without times has a ``rate`` [Hz].
     """
 
     arm: str | None = None
@@ -23,6 +24,13 @@ class Mapping(NamedTuple):
     command: str | None = None
     states: str | None = None
     time: str | None = None
+    columns: str | None = None
+    rate: float | None = None
+
+
+def split_names(columns: str | None) -> list[str]:
+    """Names of columns that are separated by commas."""
+    return [name.strip() for name in columns.split(",")] if columns else []
 
 
 def only_one(path: Path, matching: list[str], what: str, option: str) -> str:

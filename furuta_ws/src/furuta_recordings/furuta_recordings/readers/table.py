@@ -20,6 +20,7 @@ from furuta_recordings.readers.columns import (
     AXIS_UNITS,
     COMMAND_UNITS,
     DRIVE_UNITS,
+    DRIVE_WORDS,
     POSITION_UNITS,
     SPEED_UNITS,
     SPEED_WORDS,
@@ -31,7 +32,14 @@ from furuta_recordings.readers.columns import (
     unit_of,
     values_of,
 )
-from furuta_recordings.readers.mapping import COMMANDS, NO_COMMAND, Mapping, joints_of, only_one
+from furuta_recordings.readers.mapping import (
+    COMMANDS,
+    NO_COMMAND,
+    Mapping,
+    joints_of,
+    only_one,
+    split_names,
+)
 from furuta_recordings.readers.times import clock_column, seconds, stamp_column
 from furuta_recordings.recording import Recording
 from furuta_recordings.series_columns import ANGLES, COMMAND, MEASURED, TIME
@@ -48,7 +56,7 @@ OF_JOINT = ("effort", *DRIVES)
 
 def read_table(path: Path, mapping: Mapping) -> Recording:
     """A recording from a table; rows without time or angle belong to the command alone."""
-    table = table_of(path)
+    table = table_of(path, split_names(mapping.columns), mapping.rate)
     columns = table.columns
     if TIME in columns and mapping == Mapping() and columns.keys() & ANGLES:
         mapping = _exported(table)
@@ -57,9 +65,11 @@ def read_table(path: Path, mapping: Mapping) -> Recording:
     angles = [_angle(table, name) for name in names]
     stamps = clock if mapping.time else stamp_column(table, angles[0]) or clock
     command = None if mapping.command == NO_COMMAND else _command_column(table, mapping.command)
+    alone = _speed_column(table, angles[0]) if len(angles) == 1 else None
+    speeds = [joint_column(columns, name, SPEED_WORDS) or alone for name in names]
     joints = [
-        _joint_of(table, angle, joint_column(columns, name, SPEED_WORDS), ANGLE_UNITS, SPEED_UNITS)
-        for name, angle in zip(names, angles, strict=True)
+        _joint_of(table, angle, speed, ANGLE_UNITS, SPEED_UNITS)
+        for angle, speed in zip(angles, speeds, strict=True)
     ]
     if len(joints) == 1:
         rest = np.zeros(len(joints[0].angle))
@@ -107,7 +117,10 @@ def _joints(table: Table, mapping: Mapping, clock: str) -> tuple[tuple[str, ...]
     for name in given:
         if name not in names and _angle_column(table.columns, name) is not None:
             names = [each for each in names if column(each).words != column(name).words] + [name]
-    names = names or [name for name in table.columns if name != clock]
+    others = (*SPEED_WORDS, *DRIVE_WORDS, *COMMANDS)
+    names = names or [
+        name for name in table.columns if name != clock and column(name).words[-1:][0] not in others
+    ]
     if mapping.command == NO_COMMAND and mapping.arm is None and len(names) == 1:
         return (mapping.pendulum or names[0],), "no angle of the arm: taken to be at rest"
     return joints_of(table.path, names, mapping)
@@ -171,12 +184,12 @@ def _first_elements(names: list[str]) -> list[str]:
 
 
 def read_axis_table(
-    path: Path, position: str | None, command: str | None, joint: str | None, clock: str | None
+    path: Path, position: str | None, joint: str | None, mapping: Mapping
 ) -> Recording:
     """The recording of an axis as that of an arm alone, in the units of its columns."""
-    table = table_of(path)
-    clock = clock_column(table, clock)
+    table, command = table_of(path, split_names(mapping.columns), mapping.rate), mapping.command
     where = _position_column(table, position, joint)
+    clock = clock_column(table, mapping.time, beside=where)
     if command == NO_COMMAND:
         driven = None
     else:
@@ -208,6 +221,11 @@ def _position_column(table: Table, wanted: str | None, joint: str | None) -> str
     if wanted is not None:
         matching = [wanted] if wanted in columns else []
         matching = matching or [n for n in columns if column(n).words == column(wanted).words]
+        if not matching and (elements := [n for n in columns if n.startswith(f"{wanted}[")]):
+            raise ParameterError(
+                f"{table.path}: {wanted} holds lists of {len(elements)}; name an element, such as "
+                f"{elements[0]}"
+            )
     elif joint is not None:
         found = joint_column(columns, joint, ANGLE_WORDS)
         matching = [found] if found else [name for name in columns if name == joint]

@@ -17,6 +17,15 @@ from furuta_recordings.recording import Recording
 
 # Names of a column with the time; `stamp` alone is one too.
 TIME_WORDS = ("time", "timestamp", "t", "stamp", "date", "datetime", "zeit")
+# Names of a column with the time since the row before.
+STEP_WORDS = {
+    ("dt",),
+    ("delta", "t"),
+    ("delta", "time"),
+    ("time", "step"),
+    ("step",),
+    ("timestep",),
+}
 USUAL = "__time, time, timestamp, t, time_ms, millis, `Time [s]`"
 # Smallest time since 1970 in each unit: that of the year 2001 in ns, µs and ms.
 EPOCHS = {1e18: 1e-9, 1e15: 1e-6, 1e12: 1e-3}
@@ -30,8 +39,16 @@ LONGEST_STEP = 20.0
 SHORTEST_INTERVAL, LONGEST_SPAN = 1e-7, 1e12
 
 
-def clock_column(table: Table, wanted: str | None, remedy: str = "name it with --time") -> str:
-    """The column with the time of every row: the one ``wanted``, or one with a usual name."""
+def clock_column(
+    table: Table,
+    wanted: str | None,
+    remedy: str = "name it with --time",
+    beside: str = "",
+) -> str:
+    """The column with the time of every row: the one ``wanted``, or one with a usual name.
+
+    In a file with several structs it is the one in the struct of the column ``beside`` it.
+    """
     columns = table.columns
     _join_seconds_and_nanoseconds(columns)
     words = {name: column(name).words for name in columns}
@@ -41,7 +58,12 @@ def clock_column(table: Table, wanted: str | None, remedy: str = "name it with -
     else:
         matching = [n for n in columns if len(words[n]) == 1 and words[n][0] in TIME_WORDS]
         matching.sort(key=lambda name: words[name] == ("date",))
+        own = column(beside).words[:-1]
+        matching = matching or [
+            n for n in columns if (*words[n],) in {(*own, w) for w in TIME_WORDS}
+        ]
         matching = matching or [n for n in columns if words[n][-1:] == ("stamp",)]
+        matching = matching or [n for n in columns if words[n] in STEP_WORDS]
     if not matching:
         raise ParameterError(
             f"{table.path}: no column with the time"
@@ -98,6 +120,9 @@ def seconds(table: Table, name: str) -> tuple[np.ndarray, str]:
     """
     times, size = continued(values_of(table, name))
     finding = f"column {name} begins anew after every {size:.10g}: continued" if size else ""
+    if _holds_steps(times, name):
+        times = np.cumsum(np.nan_to_num(times))
+        finding = f"column {name} holds the time since the row before: summed"
     known = times[np.isfinite(times)]
     if not len(known):
         raise ParameterError(f"{table.path}: no time in column {name}")
@@ -115,6 +140,13 @@ def seconds(table: Table, name: str) -> tuple[np.ndarray, str]:
             "in seconds, add its unit to the name, as in time_ms"
         )
     return scale * times, finding
+
+
+def _holds_steps(times: np.ndarray, name: str) -> bool:
+    """Whether times (n,) are those since the row before: all alike, or named so and above 0."""
+    known = times[np.isfinite(times)]
+    alike = len(known) > 1 and known[0] > 0.0 and bool(np.all(known == known[0]))
+    return alike or (column(name).words in STEP_WORDS and bool(np.all(known >= 0.0)))
 
 
 def continued(times: np.ndarray) -> tuple[np.ndarray, float]:

@@ -13,10 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.axis.averaging import explained_by
 from furuta.identification.axis.effects import (
     FALL,
     GRAVITY,
     MOST_WAVES,
+    STRIBECK,
     WAVE_BY_CHANCE,
     Group,
     Scales,
@@ -49,16 +51,22 @@ BLOCK, FEWEST_BLOCKS, MANY, APART = 0.5, 2.0, 10**9, 0.25
 BY_CHANCE = 1e-3
 # Unknowns of a fit of the motion that are fitted only if the torques show them.
 TESTED = ("delay", "spring", *GRAVITY)
+# Part of a column that others do not explain, below which it is left out.
+INDEPENDENT = 0.02
 # Usual intervals from which two samples have a gap between them.
 GAP = 5.0
 
 
 class Balance(NamedTuple):
-    """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque."""
+    """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque.
+
+    ``start`` are the values with a fall of friction, if that explains more.
+    """
 
     fit: Fit
     covariance: np.ndarray
     part: float
+    start: Values
 
 
 class Rows(NamedTuple):
@@ -83,7 +91,11 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
         return None
 
     def columns(windows: Windows, recording: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
-        return torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+        found = torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+        for number, relative in enumerate(STRIBECK[1:]):
+            fallen = np.exp(-((part.speed / (relative * scales.speed)) ** 2))
+            found[FALL[0], number] = found["alpha0"] * windows.mean(fallen)
+        return found
 
     length = max(window_length(recording) for recording in recordings)
     rows = sliding_rows(recordings, length, columns)
@@ -98,7 +110,20 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     values = {**about.values, **dict.fromkeys(absent, 0.0)}
     best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, groups)
     covered = covariance_with_missed(rows, best, scales, [("delay",), *groups])
-    return Balance(best, covered, left_over(rows, best))
+    return Balance(best, covered, left_over(rows, best), _with_fall(rows, best, scales))
+
+
+def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
+    """The values of the fit, with the fall of friction that explains most, if it is probable."""
+    found = best
+    for number, relative in enumerate(STRIBECK[1:]):
+        columns = rows.columns | {FALL[0]: rows.columns[FALL[0], number]}
+        values = {**best.values, FALL[1]: relative * scales.speed}
+        keys = (*best.unknowns.keys, FALL[0])
+        other = fitted_balance(rows._replace(columns=columns), keys, scales, values)
+        found = other if other.values[FALL[0]] > 0.0 and other.cost < found.cost else found
+    gained = explained_by(best.cost, found.cost, len(rows.torque) / best.segments * best.rms**2)
+    return found.values if gained > np.log(len(STRIBECK)) else best.values
 
 
 def left_over(rows: Rows, best: Fit) -> float:
@@ -160,7 +185,10 @@ def torque_columns(
     An asymmetry acts in proportion to a ``level`` of friction.
     """
     mean = windows.mean
-    torque = recording.commanded_at(part.time)
+    # A command holds until the next one: its mean about a time is that of the one before and after.
+    half = 0.5 * (part.time[1] - part.time[0])
+    before, after = (recording.commanded_at(part.time + each) for each in (-half, half))
+    torque = 0.5 * (before + after)
     q = np.interp(part.time, recording.time, recording.measured[:, PHI])
     speed, side = windows.slope(q), np.sign(mean(part.speed))
     return {
@@ -216,6 +244,8 @@ def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -
             groups = [group for group in groups if group in more]
         found = []
         for group in groups:
+            if not independent(rows, best.unknowns.keys, group):
+                continue
             wider = fitted_balance(rows, (*best.unknowns.keys, *group), scales, best.values)
             if chance_of(wider, group) < (BY_CHANCE if group in more else WAVE_BY_CHANCE):
                 found.append((wider.cost, group, wider))
@@ -223,6 +253,17 @@ def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -
             return best
         _, chosen, best = min(found, key=lambda each: each[0])
         groups.remove(chosen)
+
+
+def independent(rows: Rows, known: Sequence[Key], more: Sequence[Key]) -> bool:
+    """Whether further columns act differently from those that are fitted."""
+    basis, _ = np.linalg.qr(np.column_stack([rows.columns[key] for key in known]))
+    for key in more:
+        column = rows.columns[key]
+        left = column - basis @ (basis.T @ column)
+        if np.linalg.norm(left) < INDEPENDENT * np.linalg.norm(column):
+            return False
+    return True
 
 
 def covariance_with_missed(

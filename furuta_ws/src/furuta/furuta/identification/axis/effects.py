@@ -6,21 +6,30 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from furuta.identification.axis.averaging import (
+    Averaged,
+    Candidate,
+    Model,
+    Neighbourhood,
+    explained_by,
+    log_odds,
+    mixture_errors,
+    neighbours,
+)
+from furuta.identification.axis.start import EARLIEST
 from furuta.identification.bodies.axis import Axis, wave
 from furuta.identification.bodies.body import Segments
-from furuta.identification.errors import inverse
 from furuta.identification.least_squares import (
     COARSE,
     FINE,
     Fit,
     Linearised,
     Problem,
-    evaluated,
+    Projection,
     fit,
     linearised,
     projection,
 )
-from furuta.identification.selection import chance_of, tested
 from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, field_of
 
 # Unknowns that are one effect.
@@ -37,12 +46,18 @@ EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
 STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
 # speed in the Coulomb level, of friction per torque, and of any other effect in the usual torque.
-ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 1.0, 0.3, 30.0
+ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 0.3, 0.1, 1.0
+# Usual change of friction per torque.
+SIZE_OF_LOAD = 0.05
 FALL = ("alpha1", "stribeck_velocity")
-# Factors about a fall that is known; searches for a fall, and the probability by chance above which
-# a wave is not tried again.
+# Factors about a fall that is known, and searches for a fall.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
-FALLS, MOST_FALLS, HOPELESS = 3, 2, 0.05
+FALLS, MOST_FALLS = 3, 2
+# Most changes of the model, and those that a fit may refuse; logarithm of the evidence from which
+# one is made.
+MOST_CHANGES, MOST_REFUSED, SURER = 15, 3, 0.5
+# Decrease of the cost at which a fit on the way ends, in what is one of independent residuals.
+ROUGH = 0.5
 # Stribeck velocity, relative to the usual speed, of a fall that is over at once, which is stiction,
 # and one that no recording tells from it.
 AT_ONCE, SHORT = 1e-6, 1e-3
@@ -56,7 +71,7 @@ HIDDEN = 4.0
 # Unknowns of which every segment with motion informs.
 SURE = ("inertia", "alpha0", "viscous")
 # Values that are never negative, and largest factor of a positive one in an iteration.
-LOWEST = {"delay": 0.0, "alpha0": 0.0, "alpha1": 0.0, "load_friction": 0.0}
+LOWEST = {"delay": EARLIEST, "alpha0": 0.0, "alpha1": 0.0, "load_friction": 0.0}
 POSITIVE, FACTOR = ("inertia", "stribeck_velocity"), 2.5
 # Friction in proportion to the torque of the drive. Where it is not found, it is taken to be
 # absent: moves at one torque do not tell it from the Coulomb level.
@@ -87,10 +102,10 @@ class Scales:
             "asymmetry": (0.1, ASYMMETRY),
             "alpha1": (self.level, effect),
             "stribeck_velocity": (max(values["stribeck_velocity"], 1e-9), 10.0 * self.speed),
-            "viscous_difference": (self.level / self.speed, effect / self.speed),
+            "viscous_difference": (self.level / self.speed, DRAG * self.level / self.speed),
             "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
-            "load_friction": (0.05, LOAD),
+            "load_friction": (SIZE_OF_LOAD, LOAD),
         }.get(field, (self.level, effect))
         factor = FACTOR if field in POSITIVE else np.inf
         return Unknown(key, LOWEST.get(field, -np.inf), spread=spread, size=size, factor=factor)
@@ -115,53 +130,88 @@ def fitted(
     return fit(problem_of(cut, keys, scales, values), values, first, enough)
 
 
+def rough(about: Fit) -> float:
+    """Decrease of the cost, in that of a sample, that makes no model more probable."""
+    return max(COARSE, ROUGH * about.inflation(SURE) / about.rms**2)
+
+
 def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
-    """The fit with all effects that the segments support."""
-    best = _with_effects(cut, base, scales, drift)
-    if fall := _falling(cut, best, scales):
-        best = _with_effects(cut, fall, scales, drift)
-    if best.values["alpha1"] and best.values["stribeck_velocity"] < SHORT * scales.speed:
-        velocity = AT_ONCE * scales.speed
-        best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
+    """The most probable model that is found by single changes, each refitted."""
+    best, refused, falling = base, set[frozenset[Key]](), True
+    for _ in range(MOST_CHANGES):
+        _, candidates = about_models(cut, best, scales, drift)
+        chosen = max(
+            (c for c in candidates if frozenset(keys_of(best, c.model)) not in refused),
+            key=lambda each: each.evidence,
+        )
+        ends = not chosen.evidence > SURER or len(refused) >= MOST_REFUSED
+        like_a_fall = any(group[0] in LIKE_A_FALL for group in chosen.model.added)
+        fall = None
+        if falling and (ends or (like_a_fall and not best.values["alpha1"])):
+            fall, falling = _falling(cut, best, scales), False
+        if ends and fall is None:
+            break
+        if ends:
+            best, falling = fall or best, True
+            continue
+        keys, values = _without(best, [key for group in chosen.model.dropped for key in group])
+        keys += [key for group in chosen.model.added for key in group]
+        other = fitted(cut, keys, scales, values, best.state.first, rough(best))
+        gained = explained_by(best.cost, other.cost, best.inflation(SURE)) + chosen.expected
+        if fall is not None and fall.cost < other.cost:
+            best, falling = fall, True
+        elif gained > 0.0:
+            best, falling = other, True
+        else:
+            refused.add(frozenset(keys))
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
-    return _reduced(cut, best, scales)
+    falls = best.values["alpha1"] or FALL[0] in best.unknowns.keys
+    return _with_fall_or_without(cut, best, scales) if falls else best
 
 
-def _with_effects(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Fit:
-    """The fit with all effects that act linearly and that the segments support."""
-    groups: list[Group] = [(name,) for name in (*smooth_effects(drift), LOADED)]
-    groups += wave_groups(scales)
-    groups = [group for group in groups if group[0] not in best.unknowns.keys]
-    hopeless: list[Group] = []
-    while True:
-        if len(waves_of(best)) >= MOST_WAVES:
-            groups, hopeless = [group for group in groups if len(group) == 1], []
-        chances, gains = _tested(cut, best, groups, scales)
-        significant = chances < [_allowed(group) for group in groups]
-        if not np.any(significant):
-            if not hopeless:
-                return best
-            groups, hopeless = hopeless, []
-            continue
-        chosen = groups[int(np.argmax(np.where(significant, gains, -1.0)))]
-        if chosen[0] in LIKE_A_FALL and not best.values["alpha1"]:
-            fall, other = _falling(cut, best, scales), _extended(cut, best, chosen, scales)
-            if fall and fall.cost < other.cost:
-                best = fall
-                continue
-        # A wave that is far from significant now is tried again only when nothing else is left.
-        kept = (chances < HOPELESS) | [len(group) == 1 for group in groups]
-        hopeless += [g for g, k in zip(groups, kept, strict=True) if g != chosen and not k]
-        groups = [g for g, k in zip(groups, kept, strict=True) if g != chosen and k]
-        wider = _extended(cut, best, chosen, scales)
-        sizes = [abs(wider.values[key]) for key in chosen]
-        if len(chosen) > 1 and max(sizes) < SMALLEST * scales.level:
-            continue
-        best = wider
-        if len(chosen) > 1:
-            other = _exchanged(cut, best, chosen, scales)
-            best = min(best, other, key=lambda each: each.cost)
-            best = _without_gravity(cut, best, best.unknowns.keys[-2:], scales)
+def keys_of(best: Fit, model: Model) -> list[Key]:
+    """The unknowns of a model."""
+    dropped = {key for group in model.dropped for key in group}
+    added = [key for group in model.added for key in group]
+    return [key for key in best.unknowns.keys if key not in dropped] + added
+
+
+def about_models(
+    cut: Segments, best: Fit, scales: Scales, drift: bool
+) -> tuple[Neighbourhood, list[Candidate]]:
+    """The models about a fit, by one step each."""
+    known = best.unknowns.keys
+    loads: list[Group] = [("spring",), GRAVITY, *map(wave, ORDERS)]
+    catalogue = [*loads, *((n,) for n in smooth_effects(drift)), (LOADED,)]
+    present = [group for group in catalogue if group[0] in known]
+    absent = [group for group in catalogue if group[0] not in known]
+    keys = (*known, *(key for group in absent for key in group))
+    about = _about(cut, best, keys, scales)
+    values = {**dict.fromkeys(keys, 0.0), **best.values}
+    unknowns = Unknowns(scales.unknown(key, values) for key in keys)
+    excess = unknowns.vector(values) / unknowns.all("size")
+    index = {key: number for number, key in enumerate(keys)}
+    noise = best.inflation(SURE), best.rms**2, best.cost
+    there = Neighbourhood(about, index, len(known), excess, *noise)
+    return there, [there.candidate(model) for model in neighbours(present, absent, loads)]
+
+
+def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Averaged:
+    """Covariance (p, p) in sizes over all models that explain the segments about as well.
+
+    Of friction that falls at once, ``stiction`` is the standard error.
+    """
+    there, candidates = about_models(cut, best, scales, drift)
+    found = there.averaged(candidates)._replace(load=SIZE_OF_LOAD * there.hidden_load())
+    if not best.values["alpha1"]:
+        # A fall is as probable beside each of the models.
+        alone = there.candidate(Model((), ()))
+        falls = there.averaged([alone, *falls_beside(cut, best, scales, len(there.rows))])
+        wider = np.diag(falls.covariance) / np.diag(found.covariance)
+        factor = np.sqrt(np.maximum(wider, 1.0))
+        return found._replace(covariance=found.covariance * np.outer(factor, factor))
+    more, stiction = fall_errors(cut, best, scales)
+    return found._replace(covariance=found.covariance + more, stiction=stiction)
 
 
 def wave_groups(scales: Scales) -> list[Group]:
@@ -180,90 +230,16 @@ def _without(best: Fit, dropped: Iterable[Key]) -> tuple[list[Key], Values]:
     return keys, {**best.values, **dict.fromkeys(dropped, 0.0)}
 
 
-def _exchanged(cut: Segments, best: Fit, dropped: Sequence[Key], scales: Scales) -> Fit:
-    """The fit without some unknowns, but with the wave that then explains most."""
-    keys, values = _without(best, dropped)
-    problem = problem_of(cut, keys, scales, values)
-    without = best._replace(
-        unknowns=problem.unknowns, state=evaluated(problem, values, best.state.first)
-    )
-    others = [group for group in wave_groups(scales) if group[0] not in keys]
-    _, gains = _tested(cut, without, others, scales)
-    other = others[int(np.argmax(gains))]
-    return best if other == tuple(dropped) else _extended(cut, without, other, scales)
-
-
-def alike(cut: Segments, best: Fit, scales: Scales) -> dict[Key, str]:
-    """Amplitudes of waves in whose place a wave of another order explains as much, with a reason.
-
-    Over a short travel neighbouring orders look alike.
-    """
-    found: dict[Key, str] = {}
-    for own in waves_of(best):
-        keys, values = _without(best, own)
-        problem = problem_of(cut, keys, scales, values)
-        state = evaluated(problem, values, best.state.first)
-        without = best._replace(unknowns=problem.unknowns, state=state)
-        groups = [group for group in wave_groups(scales) if group == own or group[0] not in keys]
-        _, gains = _tested(cut, without, groups, scales)
-        least = gains[groups.index(own)] - HIDDEN * best.inflation(SURE)
-        others = [
-            g[0][1] for g, gain in zip(groups, gains, strict=True) if g != own and gain > least
-        ]
-        if others:
-            reason = f"a wave of order {' or '.join(map(str, others))} would explain as much"
-            found |= dict.fromkeys(own, reason)
-    return found
-
-
-def _without_gravity(cut: Segments, best: Fit, wave: Sequence[Key], scales: Scales) -> Fit:
-    """The fit with another wave instead of this one and gravity, if it explains as much.
-
-    Over a part of a turn they are alike.
-    """
-    if not set(GRAVITY) <= set(best.unknowns.keys) or scales.travel > 2.0 * np.pi:
-        return best
-    other = _exchanged(cut, best, (*wave, *GRAVITY), scales)
-    return other if other.cost < best.cost + HIDDEN * best.inflation(SURE) else best
-
-
-def _allowed(group: Sequence[Key]) -> float:
-    return BY_CHANCE if len(group) == 1 else WAVE_BY_CHANCE
-
-
-def _reduced(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The fit without the effects that are not significant after all.
-
-    One without which the fit ends in a much worse optimum stays.
-    """
-    for group in (*((name,) for name in (*smooth_effects(True), LOADED)), *waves_of(best)):
-        if group[0] in best.unknowns.keys and chance_of(best, group) > _allowed(group):
-            keys, values = _without(best, group)
-            without = fitted(cut, keys, scales, values, best.state.first)
-            best = best if _gained(without, best) else without
-    if best.values["alpha1"]:
-        keys = [key for key in best.unknowns.keys if key not in FALL]
-        values = {**best.values, "alpha1": 0.0}
-        without = fitted(cut, keys, scales, values, best.state.first)
-        best = best if _gained(without, best) else without
-    return best
-
-
-def _extended(cut: Segments, best: Fit, more: Sequence[Key], scales: Scales) -> Fit:
-    keys = (*best.unknowns.keys, *more)
-    return fitted(cut, keys, scales, best.values, best.state.first, COARSE)
-
-
-def _tested(
-    cut: Segments, best: Fit, groups: Sequence[Group], scales: Scales
-) -> tuple[np.ndarray, np.ndarray]:
-    """Probability by chance (g,) of further effects, and the decreases of the squares (g,)."""
-    if not groups:
-        return np.zeros(0), np.zeros(0)
-    known, more = best.unknowns.keys, [key for group in groups for key in group]
-    about = _about(cut, best, (*known, *more), scales)
-    rows = [[len(known) + more.index(key) for key in group] for group in groups]
-    return tested(about, range(len(known)), rows)
+def _with_fall_or_without(cut: Segments, best: Fit, scales: Scales) -> Fit:
+    """The fit with a fall that may be over at once, or without one if that is as probable."""
+    if best.values["stribeck_velocity"] < SHORT * scales.speed:
+        velocity = AT_ONCE * scales.speed
+        best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
+    best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
+    keys, values = _without(best, FALL)
+    without = fitted(cut, keys, scales, values, best.state.first, rough(best))
+    falls = best.values["alpha1"] > SMALLEST * scales.level
+    return best if falls and _gained(without, best) else without
 
 
 def _about(cut: Segments, best: Fit, keys: Sequence[Key], scales: Scales) -> Linearised:
@@ -272,31 +248,13 @@ def _about(cut: Segments, best: Fit, keys: Sequence[Key], scales: Scales) -> Lin
     return linearised(problem_of(cut, keys, scales, values), best.state._replace(values=values))
 
 
-def covariance_with_missed(cut: Segments, best: Fit, scales: Scales, drift: bool) -> np.ndarray:
-    """Covariance (p, p) of the unknowns in their sizes, with what is not in the model.
-
-    An effect that was not found may be there: how its best value would change the others is part of
-    their error, and so is how uncertain that value is.
-    """
-    covered, known, inflation = best.covariance, best.unknowns.keys, best.inflation(SURE)
-    for name in smooth_effects(drift):
-        if name in known:
-            continue
-        about = _about(cut, best, (*known, name), scales)
-        inverted = inverse(about.information)
-        shift = (inverted @ about.gradient)[:-1]
-        wider = inverted[:-1, :-1] - inverse(about.information[:-1, :-1])
-        covered = covered + np.outer(shift, shift) + inflation * wider
-    return covered
-
-
 def smooth_effects(drift: bool) -> tuple[str, ...]:
     """Effects beside those that are always fitted and waves."""
     return ("viscous_difference", "drag", *(("drift",) if drift else ()))
 
 
 def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
-    """The fit with friction that falls after breakaway, if the segments support that.
+    """The fit with friction that falls after breakaway, or falls otherwise, if that is probable.
 
     It acts not linearly, and on few segments: several falls are tried, and compared by their
     squares, which count less by how far the residuals are from white noise.
@@ -308,20 +266,30 @@ def _falling(cut: Segments, best: Fit, scales: Scales) -> Fit | None:
             for values in _best_falls(cut, result, scales)
         ]
         better = min(tried, key=lambda each: each.cost)
-        if better.cost > result.cost - COARSE * result.rms**2:
+        if better.cost > result.cost - rough(result) * result.rms**2:
             break
         result = better
+    if best.values["alpha1"]:
+        return (
+            result if explained_by(best.cost, result.cost, best.inflation(SURE)) > SURER else None
+        )
     falls = result.values["alpha1"] > SMALLEST * scales.level
     return result if falls and _gained(best, result) else None
 
 
 def _gained(without: Fit, wider: Fit) -> bool:
-    """Whether squares decrease by more than chance explains."""
-    return bool(np.exp(0.5 * (wider.cost - without.cost) / wider.inflation(SURE)) < BY_CHANCE)
+    """Whether a fall is more probable than none: one of those that are tried is as probable."""
+    tried = float(np.log(len(STRIBECK) * len(EXCESSES)))
+    return explained_by(without.cost, wider.cost, without.inflation(SURE)) > tried
+
+
+def _projection_of(cut: Segments, best: Fit, which: Sequence[int] | None = None) -> Projection:
+    return projection(Problem(Axis(), cut, best.unknowns), best, which)
 
 
 def _projection(cut: Segments, best: Fit) -> Callable[[Values], np.ndarray]:
-    return projection(Problem(Axis(), cut, best.unknowns), best)
+    project = _projection_of(cut, best)
+    return lambda values: project(values)[0]
 
 
 def _best_falls(cut: Segments, about: Fit, scales: Scales) -> list[Values]:
@@ -344,7 +312,7 @@ def fit_with_fall(cut: Segments, about: Fit, values: Values, scales: Scales) -> 
     """The fit from values; a fall that is over at once is held, because squares are its stairs."""
     keys = [key for key in about.unknowns.keys if key not in FALL]
     more = FALL if values["stribeck_velocity"] > 2.0 * AT_ONCE * scales.speed else ()
-    return fitted(cut, (*keys, *more), scales, values, about.state.first, COARSE)
+    return fitted(cut, (*keys, *more), scales, values, about.state.first, rough(about))
 
 
 def _falls(values: Values, scales: Scales) -> Iterable[list[Values]]:
@@ -359,28 +327,94 @@ def _falls(values: Values, scales: Scales) -> Iterable[list[Values]]:
         yield [fallen(k * excess, velocity) for k in NEAR if k != 1.0]
         for factor in () if at_once else (0.5, 2.0):
             yield [fallen(k * excess, factor * velocity) for k in NEAR]
-        return
     for relative in STRIBECK:
         excesses = FINELY if relative == 0.0 else EXCESSES
         velocity = max(relative, AT_ONCE) * scales.speed
         yield [fallen(excess * scales.level, velocity) for excess in excesses]
 
 
-def stiction_error(cut: Segments, best: Fit) -> float:
-    """Standard error of a fall that is over at once.
+def falls_beside(cut: Segments, best: Fit, scales: Scales, count: int) -> list[Candidate]:
+    """Models (of ``count`` unknowns) that have a fall besides, over at once or of a velocity."""
+    project, noise = _projection_of(cut, best), (best.inflation(SURE), best.rms**2, best.cost)
+    least, none = float(project(best.values)[0].sum()), Model((), ())
+    tried = next(iter(_falls(best.values, scales)))
+    sizes = np.log([values[FALL[0]] for values in tried])
+    found = []
+    for values, part in zip(tried, np.gradient(sizes) / np.ptp(sizes), strict=True):
+        squares, step = project(values)
+        gained = explained_by(least, float(squares.sum()), noise[0])
+        odds = log_odds(FALL[:1]) + float(np.log(part))
+        found.append(Candidate(none, step, gained, odds, covered=best.covariance))
+    keys, known = (*best.unknowns.keys, FALL[0]), len(best.unknowns)
+    excess = np.append(best.unknowns.vector(best.values) / best.unknowns.all("size"), 0.0)
+    for relative in STRIBECK[1:]:
+        about = best._replace(
+            state=best.state._replace(values={**best.values, FALL[1]: relative * scales.speed})
+        )
+        index = {key: number for number, key in enumerate(keys)}
+        there = Neighbourhood(_about(cut, about, keys, scales), index, known, excess, *noise)
+        model = Model((), (FALL[:1],))
+        each = there.candidate(model)
+        covered = there.covariance(model, each.step)
+        found.append(each._replace(model=none, step=each.step[:known], covered=covered))
+    wider = np.zeros(count - known)
+    return [each._replace(step=np.append(each.step, wider)) for each in found]
 
-    It has three parts: how far the segments do not contradict it, how it changes without one of
-    them, and the noise of the torque, whose largest values seem to break the axis away too early.
+
+def fall_errors(cut: Segments, best: Fit, scales: Scales) -> tuple[np.ndarray, float]:
+    """Covariance (p, p) in sizes by all falls that explain about as much, and error of stiction.
+
+    A fall of any size is as probable, with any of the velocities that are tried. The largest values
+    of the torque's noise seem to break the axis away too early.
     """
-    project, fall, factors = _projection(cut, best), best.values["alpha1"], np.sort(NEAR)
-    squares = np.array([project({**best.values, "alpha1": k * fall}) for k in factors])
-    whole, count = squares.sum(axis=1), squares.shape[1]
-    inside = np.flatnonzero(whole <= whole.min() + HIDDEN * best.inflation(SURE))
-    low, high = factors[max(inside[0] - 1, 0)], factors[min(inside[-1] + 1, len(factors) - 1)]
-    without = factors[np.argmin(whole - squares.T, axis=1)]
-    own = fall * np.hypot(0.25 * (high - low), np.sqrt(count - 1.0) * np.std(without))
-    jumps = np.median(np.abs(np.diff(cut.data.torque, n=3)))
-    return float(np.hypot(own, LARGEST_NOISE * jumps / (0.6745 * np.sqrt(20.0))))
+    keys, size = best.unknowns.keys, best.unknowns.all("size")
+    rows = [k for k, key in enumerate(keys) if key in FALL]
+    others = [k for k in range(len(keys)) if k not in rows]
+    project = _projection_of(cut, best, others)
+    inflation, least = best.inflation(SURE), float(project(best.values)[0].sum())
+    here = np.array([best.values[name] for name in FALL])
+    if rows:
+        own = np.sqrt(np.diag(best.covariance))[rows] * size[rows]
+    else:
+        jumps = np.median(np.abs(np.diff(cut.data.torque, n=3)))
+        noise = LARGEST_NOISE * float(jumps) / (0.6745 * np.sqrt(20.0))
+        own = np.array([np.hypot(_error_at_once(best, project), noise), 0.0])
+    weights, shifts = [float(own[0] / here[0]) * np.sqrt(2.0 * np.pi)], [np.zeros(2)]
+    for tried in _falls(best.values, scales):
+        tried.sort(key=lambda values: values[FALL[0]])
+        places = np.array([[values[name] for name in FALL] for values in tried])
+        gains = [explained_by(least, float(project(v)[0].sum()), inflation) for v in tried]
+        weights += list(np.exp(np.minimum(gains, 0.0)) * np.gradient(np.log(places[:, 0])))
+        shifts += list(places - here)
+    total = np.array(weights) / np.sum(weights)
+    errors = mixture_errors(total, np.array(shifts), np.tile(own**2, (len(total), 1)))
+    step = np.zeros(len(keys))
+    if rows:
+        step[rows] = np.maximum(errors**2 - own**2, 0.0) / size[rows] ** 2
+        return np.diag(step), 0.0
+    step[others] = own[0] * _along(best, project, inflation)
+    return np.outer(step, step), float(errors[0])
+
+
+def _along(best: Fit, project: Projection, inflation: float) -> np.ndarray:
+    """How other values (p,) move with stiction, over what the segments do not contradict."""
+    near = [{**best.values, FALL[0]: k * best.values[FALL[0]]} for k in NEAR]
+    squares, steps = zip(*(project(values) for values in near), strict=True)
+    costs = np.array([each.sum() for each in squares])
+    gains = [explained_by(costs[0], each, inflation) for each in costs]
+    moved = (NEAR - 1.0) * best.values[FALL[0]]
+    weighted = np.exp(np.minimum(gains, 0.0)) * moved
+    apart = np.array(steps) - steps[0]
+    slopes: np.ndarray = weighted @ apart / max(float(weighted @ moved), 1e-300)
+    return slopes
+
+
+def _error_at_once(best: Fit, project: Projection) -> float:
+    """Standard error of a fall that is over at once, as the segments contradict each other."""
+    fall, factors = best.values[FALL[0]], np.sort(NEAR)
+    squares = np.array([project({**best.values, FALL[0]: k * fall})[0] for k in factors])
+    without = factors[np.argmin(squares.sum(axis=1) - squares.T, axis=1)]
+    return float(fall * np.sqrt(len(without) - 1.0) * np.std(without))
 
 
 def largest_hidden_fall(cut: Segments, best: Fit, scales: Scales) -> float:

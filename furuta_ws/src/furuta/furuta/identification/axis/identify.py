@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.axis.averaging import Averaged, described
 from furuta.identification.axis.balance import Balance, balanced
 from furuta.identification.axis.effects import (
     ALWAYS,
@@ -16,11 +17,9 @@ from furuta.identification.axis.effects import (
     SURE,
     Group,
     Scales,
-    alike,
-    covariance_with_missed,
+    averaged_errors,
     fitted,
     largest_hidden_fall,
-    stiction_error,
     supported,
 )
 from furuta.identification.axis.segments import segmented, smoothed
@@ -48,14 +47,21 @@ THINNED = 1e-3
 LONG_DELAY = 0.02
 # Residuals in the noise of the position from which a fit is started from the torques as well.
 POOR = 3.0
-# Size of the residuals in the noise of the position that a fit has which explains the recording;
-# how often the errors of the model take the place of that noise otherwise.
-EXPLAINED, REWEIGHTED = 1.3, 2
+# Size of the residuals in the noise of the position that a fit has which explains the recording: an
+# axis at rest keeps an error of up to half a count. How often the errors of the model take the
+# place of that noise otherwise.
+EXPLAINED, REWEIGHTED = 3.0**0.5, 4
 # Residuals in the noise that was assumed from which that is assumed anew.
 EXCESSIVE = 0.7
 # Residuals as a part of the motion that forces cause within a segment, above which the values are
 # doubtful, useless, or not worth a fit; where the residuals are noise, it does not matter.
 DOUBTFUL_PART, USELESS_PART, UNEXPLAINED_PART = 0.005, 0.15, 0.6
+# Friction under load that makes other values so much smaller that it is named.
+SMALL_LOAD = 0.05
+# Part of that motion which is noise where the noise is as large as the rest.
+NOISY_PART = 0.5**0.5
+# Part of a row within which it is not known when its torque began.
+WITHIN_ROW = 0.1
 # Fewest segments for each unknown, and largest standard error of a usable inertia.
 FEWEST_SEGMENTS, LARGEST_ERROR = 2.0, 0.2
 # Probability by chance up to which an effect is reported.
@@ -128,27 +134,32 @@ def identify_axis(
     ready = [_prepared(recording) for recording in given]
     cut = segmented(ready)
     report("fitting inertia and friction to the motion")
-    base, scales = _first_fit(ready, cut)
+    starts = _first_fits(ready, cut)
+    base, scales = next(starts)
     torques = balanced(ready, base, scales) if base.rms > POOR else None
     if torques is not None:
-        base = _from_torques(cut, base, torques.fit, scales)
+        base = _from_torques(cut, base, torques, scales)
+    if base.rms > POOR:
+        base = min([base, *(other for other, _ in starts)], key=lambda each: each.cost)
     sensor = _noise(cut)
-    part = base.rms * sensor / _forced_motion(cut)
-    for _ in range(REWEIGHTED if base.rms > EXPLAINED else 0):
-        cut = _reweighted(cut, base)
-        base = fitted(cut, base.unknowns.keys, scales, base.values, base.state.first, COARSE)
+    part = unexplained(base.rms, base.rms * sensor / _forced_motion(cut))
+    for _ in range(REWEIGHTED):
+        cut, base = _reweighted(cut, base, scales)
+        if EXCESSIVE <= base.rms <= EXPLAINED:
+            break
     best = base
     if part <= UNEXPLAINED_PART or torques is None or torques.part <= UNEXPLAINED_PART:
         report("looking for further effects")
         best = supported(cut, base, scales, drift=len(ready) == 1)
         if best.rms < EXCESSIVE:
-            cut = _reweighted(cut, best)
-            best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first, COARSE)
+            cut, best = _reweighted(cut, best, scales)
             best = supported(cut, best, scales, drift=len(ready) == 1)
         if best.values["delay"] > LONG_DELAY:
             prompt = _without_delay(cut, base, scales, drift=len(ready) == 1)
             best = min(best, prompt, key=lambda each: each.cost)
-    part = best.rms * _noise(cut) / _forced_motion(cut)
+        cut, best = _reweighted(cut, best, scales)
+    left = best.rms * _noise(cut)
+    part = unexplained(left / sensor, left / _forced_motion(cut))
     report("computing standard errors")
     if part <= USELESS_PART:
         return _result(ready, cut, best, scales, sensor)
@@ -162,9 +173,19 @@ def identify_axis(
     return _result(ready, cut, best, scales, sensor)
 
 
-def _reweighted(cut: Segments, best: Fit) -> Segments:
-    """With the residuals of a fit as the noise; they also make the first states uncertain."""
-    return cut.with_noise(best.rms, best.inflation(SURE) / best.rms**2)
+def unexplained(noises: float, part: float) -> float:
+    """The part of the motion that is left over; 0 where that is no more than noise."""
+    return part if noises > EXPLAINED else 0.0
+
+
+def _reweighted(cut: Segments, best: Fit, scales: Scales) -> tuple[Segments, Fit]:
+    """With the residuals of a fit as the noise, if they are no noise of the position; and the fit.
+
+    They also make the first states uncertain. Priors count as much as independent residuals.
+    """
+    factor = 1.0 if EXCESSIVE <= best.rms <= EXPLAINED else best.rms
+    cut = cut.with_noise(factor, best.inflation(SURE) / factor**2)
+    return cut, fitted(cut, best.unknowns.keys, scales, best.values, best.state.first, COARSE)
 
 
 def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
@@ -179,18 +200,21 @@ def _without_delay(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit
     return fitted(cut, dict.fromkeys(keys), scales, best.values, best.state.first)
 
 
-def _from_torques(cut: Segments, base: Fit, torques: Fit, scales: Scales) -> Fit:
+def _from_torques(cut: Segments, base: Fit, torques: Balance, scales: Scales) -> Fit:
     """A fit from the values that balance the torques, if it explains the motion better.
 
     They are found without a start, and with the effects that the torques show.
     """
-    if torques.values["inertia"] <= 0.0:
-        return base
-    keys = dict.fromkeys((*base.unknowns.keys, *torques.unknowns.keys))
-    values = {**torques.values, "delay": base.values["delay"]}
-    values["alpha0"] = max(values["alpha0"], 0.0)
-    other = fitted(cut, keys, scales, values, enough=COARSE)
-    return min(base, other, key=lambda each: each.cost)
+    falling = [torques.start] if torques.start["alpha1"] else []
+    for start in (torques.fit.values, *falling):
+        if start["inertia"] <= 0.0 or base.rms < POOR:
+            continue
+        keys = dict.fromkeys((*base.unknowns.keys, *torques.fit.unknowns.keys))
+        keys |= dict.fromkeys(FALL if start["alpha1"] else ())
+        values = {**start, "delay": base.values["delay"], "alpha0": max(start["alpha0"], 0.0)}
+        other = fitted(cut, keys, scales, values, enough=COARSE)
+        base = min(base, other, key=lambda each: each.cost)
+    return base
 
 
 def _prepared(recording: Recording) -> Recording:
@@ -206,6 +230,12 @@ def usable_part(recording: Recording) -> Recording:
     Raises:
         ParameterError: The axis hardly moves.
     """
+    if len(recording.command) and np.ptp(recording.command) == 0.0:
+        constant = recording.command[0] + 0.0  # no -0
+        raise ParameterError(
+            f"{recording.name}: the torque is {constant:g} throughout; name another column with "
+            "--command"
+        )
     travel, count = (f(recording.measured[:, PHI]) for f in (_travel, quantisation_step))
     if not travel >= COUNTS * count > 0.0:
         raise ParameterError(
@@ -263,8 +293,8 @@ def _travel(position: np.ndarray) -> float:
     return float(np.ptp(known)) if len(known) else 0.0
 
 
-def _first_fit(recordings: Sequence[Recording], cut: Segments) -> tuple[Fit, Scales]:
-    """The fit without further effects, and the usual sizes of everything."""
+def _first_fits(recordings: Sequence[Recording], cut: Segments) -> Iterator[tuple[Fit, Scales]]:
+    """Fits without further effects, and the usual sizes of everything."""
     even = [smoothed(recording) for recording in recordings]
     speed = float(np.sqrt(np.mean(np.concatenate([each.speed for each in even]) ** 2)))
     torque = float(np.sqrt(np.mean(np.concatenate([each.torque for each in even]) ** 2)))
@@ -272,14 +302,10 @@ def _first_fit(recordings: Sequence[Recording], cut: Segments) -> tuple[Fit, Sca
     length = max(recording.duration for recording in recordings)
     gravity = GRAVITY if travel > GRAVITY_TRAVEL else ()
     offsets = [("offset", number) for number in range(len(recordings))]
-    fits = []
     for values in first_values(recordings, even, bool(gravity)):
         scales = Scales(torque, values["alpha0"], speed, travel, length)
         keys = (*ALWAYS, *offsets, *gravity)
-        fits.append((fitted(cut, keys, scales, values, enough=COARSE), scales))
-        if fits[-1][0].rms < EXPLAINED:
-            break
-    return min(fits, key=lambda each: each[0].cost)
+        yield fitted(cut, keys, scales, values, enough=COARSE), scales
 
 
 def _result(
@@ -294,22 +320,26 @@ def _result(
     left = best.rms * _noise(cut)
     part, covered = left / _forced_motion(cut), best.covariance
     hidden = largest_hidden_fall(cut, best, scales)
+    about = Averaged(covered, [])
     if torques is not None:
-        best, covered, part = torques
+        best, covered, part, _ = torques
     else:
-        covered = covariance_with_missed(cut, best, scales, drift=len(recordings) == 1)
+        about = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
+        covered = about.covariance.copy()
+        if "delay" in best.unknowns.keys:
+            k = best.unknowns.keys.index("delay")
+            instant = WITHIN_ROW * max(each.interval for each in recordings)
+            covered[k, k] += (instant / best.unknowns[k].size) ** 2
     values, errors, undetermined = reported_values(best, covered)
+    undetermined |= _explained_otherwise(best, about, undetermined)
     one_way = _one_way(recordings, best, covered)
     undetermined |= one_way
-    if torques is None:
-        alternatives = alike(cut, best, scales).items()
-        undetermined = {name_of(key): reason for key, reason in alternatives} | undetermined
     values, errors = (
         {name: value for name, value in each.items() if name not in undetermined}
         for each in (values, errors)
     )
     if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
-        value, error = float(best.values["alpha1"]), float(stiction_error(cut, best))
+        value, error = float(best.values["alpha1"]), about.stiction
         if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
             values["alpha1"], errors["alpha1"] = value, error
         else:
@@ -321,19 +351,23 @@ def _result(
                 f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
                 "alpha0 would not show"
             )
-    if "inertia" in undetermined:
-        raise ParameterError(
-            f"{recordings[0].name}: the inertia is not determined: {undetermined['inertia']}; "
-            "record a motion that accelerates"
-        )
     noises = left / sensor if torques is None else np.inf
     moved = f"motion, {noises:.1f} times the noise of the position"
-    of, relative = moved if torques is None else "torque", errors["inertia"] / values["inertia"]
+    of = moved if torques is None else "torque"
+    relative = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
     doubts = list(doubts_of(best, noises, part, relative, of))
+    if noises <= EXPLAINED and part > NOISY_PART:
+        why = "the noise of the position is larger than the motion that forces cause"
+        doubts.append((DOUBTFUL, f"{why}: record larger accelerations"))
     if one_way:
         doubts.append((DOUBTFUL, "the axis slides in one direction only: record reversals"))
     verdict = Verdict.of(doubts)
     findings = findings_of(recordings)
+    if values.get("delay", 0.0) < 0.0:
+        late = -1e3 * values["delay"]
+        findings.append(
+            f"{recordings[0].name}: the torque is recorded {late:.2g} ms after it acted"
+        )
     if torques is not None:
         findings.append(f"{recordings[0].name}: {BALANCED}")
         undetermined["delay"] = "taken as 0, and its possible effect is part of the errors"
@@ -355,6 +389,23 @@ def _result(
     )
 
 
+def _explained_otherwise(
+    best: Fit, about: Averaged, undetermined: dict[str, str]
+) -> dict[str, str]:
+    """Why values are undetermined that would be determined if other effects were known."""
+    found = {}
+    for key, rival in zip(best.unknowns.keys, about.rivals, strict=bool(about.rivals)):
+        alone = chance_of(best, _together(key, best)) < BY_CHANCE
+        if rival is not None and alone and name_of(key) in undetermined:
+            why = undetermined[name_of(key)].removesuffix(NOT_DISTINGUISHABLE)
+            found[name_of(key)] = why + described(rival)
+    if about.load > SMALL_LOAD and "load_friction" not in best.unknowns.keys:
+        found["load_friction"] = (
+            f"one of {about.load:.2g} would not show; all values would be as much smaller"
+        )
+    return found
+
+
 def reported_values(
     best: Fit, covered: np.ndarray
 ) -> tuple[dict[str, float], dict[str, float], dict[str, str]]:
@@ -367,7 +418,10 @@ def reported_values(
         reported = "offset" if key == ("offset", 0) else name_of(key)
         groups = [_together(key, best)] + ([FALL[:1]] if key == FALL[1] else [])
         certain = all(chance_of(best, group, covered) < BY_CHANCE for group in groups)
-        if field_of(key) == "offset" or certain:
+        free = (
+            field_of(key) == "offset" and error < best.unknowns[best.unknowns.keys.index(key)].size
+        )
+        if free or certain:
             values[reported], errors[reported] = best.values[key], error
         else:
             undetermined[reported] = f"{best.values[key]:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
@@ -413,7 +467,9 @@ def doubts_of(
     segments, unknown = best.segments, len(best.unknowns)
     if segments < FEWEST_SEGMENTS * unknown:
         yield DOUBTFUL, f"{segments} segments for {unknown} unknowns: record for longer"
-    if inertia_error > LARGEST_ERROR:
+    if not np.isfinite(inertia_error):
+        yield DOUBTFUL, "the inertia is not determined: record a motion that accelerates"
+    elif inertia_error > LARGEST_ERROR:
         yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
 
 

@@ -10,8 +10,10 @@ from furuta.identification.unknowns import Values
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
-# Delays [s] that are tried, and parts of the largest speed above which the axis surely slides.
-DELAYS = np.arange(0.0, 0.0301, 0.002)
+# Delays [s] that are tried; a torque that is measured is recorded after it acted. Part of the
+# largest speed above which the axis surely slides.
+EARLIEST = -0.06
+DELAYS = np.arange(EARLIEST, 0.0301, 0.002)
 SLIDES = 0.05
 # Smoothing times that are tried, relative to the one for the first states.
 WINDOWS = (1.0, 4.0)

@@ -19,6 +19,7 @@ from furuta.identification.axis.balance import (
     APART,
     BY_CHANCE,
     FEWEST_BLOCKS,
+    INDEPENDENT,
     Rows,
     covariance_with_missed,
     fitted_balance,
@@ -69,8 +70,8 @@ EFFECTS: tuple[Key, ...] = (
 )
 # A parameter of the links, of which several make one load.
 LINK = "link"
-# Part of a column that others do not explain, below which it is left out.
-INDEPENDENT = 0.02
+# Part of a load that is rounding.
+ROUNDING = 1e-6
 # Part of the squares that an approximation of the load explains, below which it is left out.
 EXPLAINS = 0.02
 # Blocks for each unknown of an approximation.
@@ -168,7 +169,7 @@ def identify_arm_joint(
         covered = covered + _shift(best, _fitted(rows, links[: len(links) // 2], arm))
     noises = float(np.sqrt(np.mean(best.state.residuals**2))) / _noise(arm, best, length)
     left = noises, left_over(rows, best)
-    return _result(arm, best, covered, size, left, about, urdf is not None)
+    return _result(arm, best, covered, size, rows, left, about, urdf is not None)
 
 
 def _together(
@@ -356,6 +357,7 @@ def _result(
     best: Fit,
     covered: np.ndarray,
     size: np.ndarray,
+    rows: Rows,
     left: tuple[float, float],
     about: list[str],
     has_geometry: bool,
@@ -368,8 +370,9 @@ def _result(
                 named.pop(name_of(key), None)
     sizes = best.unknowns.all("size")
     covariance = covered * np.outer(sizes, sizes)
-    for name, row in _loads_of(arm, best, size):
-        value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row)
+    for name, row, hidden in _loads_of(arm, best, size, rows):
+        value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row) + hidden
+        value = value if value > ROUNDING * arm.scales.torque * (name == "gravity") else 0.0
         for named in (values, errors, undetermined):
             named.pop(name, None)
         if significance(np.array([value]), np.array([[variance]]), best.segments) < BY_CHANCE:
@@ -410,9 +413,29 @@ def _noise(arm: _Arm, best: Fit, length: float) -> float:
     return float(np.hypot(torque, inertia))
 
 
-def _loads_of(arm: _Arm, best: Fit, size: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """How fitted unknowns (p,) make inertia and largest load by gravity."""
-    inertia = np.mean(_functional(arm.loads.per_speed, size, best), axis=0)
-    yield "inertia", inertia + (np.array([key == "inertia" for key in best.unknowns.keys]))
-    weights = _functional(arm.loads.gravity[::EVERY], size, best)
-    yield "gravity", weights[int(np.argmax(np.abs(weights @ _vector(best))))]
+def _loads_of(
+    arm: _Arm, best: Fit, size: np.ndarray, rows: Rows
+) -> Iterator[tuple[str, np.ndarray, float]]:
+    """How fitted unknowns (p,) make inertia and largest load by gravity.
+
+    And the variance by the links' parameters that the recorded moves do not tell from these: each
+    may be as large as the usual torque.
+    """
+    per_speed, gravity = arm.loads.per_speed, arm.loads.gravity[::EVERY]
+    inertia = np.mean(_functional(per_speed, size, best), axis=0)
+    inertia = inertia + (np.array([key == "inertia" for key in best.unknowns.keys]))
+    weights = _functional(gravity, size, best)
+    pose = int(np.argmax(np.abs(weights @ _vector(best))))
+    keys = [key for key in rows.columns if field_of(key) == LINK and key not in best.unknowns.keys]
+    fitted = np.column_stack([rows.columns[key] for key in best.unknowns.keys])
+    length = np.linalg.norm(fitted, axis=0)
+    columns = np.column_stack([rows.columns[key] for key in keys]) if keys else fitted[:, :0]
+    like = np.linalg.lstsq(fitted / length, columns, rcond=1e-9)[0] / length[:, None]
+    for name, row, full in (
+        ("inertia", inertia, np.mean(per_speed, axis=0) / size),
+        ("gravity", weights[pose], gravity[pose] / size),
+    ):
+        apart = full[[int(key[1]) for key in keys]] - row @ like
+        rounding = ROUNDING * np.max(np.abs(full), initial=0.0) * arm.scales.torque
+        floor = ROUNDING * arm.scales.torque if name == "gravity" else rounding
+        yield name, row, float(np.sum((apart * arm.scales.torque) ** 2)) + floor**2

@@ -15,11 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.axis.averaging import explained_by, few, mixture_errors
 from furuta.identification.axis.motion import AxisModel, next_slide
 from furuta.identification.axis.segments import segmented, smoothed
 from furuta.identification.bodies.axis import NOTHING, model_of
 from furuta.identification.bodies.body import Differentiated, Segments
-from furuta.identification.least_squares import Fit, Problem, evaluated, fit
+from furuta.identification.least_squares import Fit, Problem, evaluated, fit, projection
 from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Unknown, Unknowns, Values
 from furuta.identification.verdict import DOUBTFUL, Verdict
@@ -39,8 +40,10 @@ LIMITS = np.geomspace(0.1, 1.0, 10)
 # Starts that are fitted, and inertias [s²] that are tried first with the damping of a usual loop.
 TRIED = 3
 INERTIAS = np.geomspace(1e-4, 1e-2, 9)
-# Increase of the squares, in those of a sample, that contradicts a fit without a limit.
-CONTRADICTED = 10.0
+# Stiction that is tried, in the friction of a slide, and its Stribeck velocity in a fast speed.
+EXCESSES, AT_ONCE = np.geomspace(0.05, 1.5, 12), 1e-6
+# Unknowns of which every segment with motion informs.
+SURE = ("inertia", "alpha0", "viscous")
 # Largest probability by chance of a value that is reported, and residuals, in the noise of the
 # position, of a fit that explains the recording.
 BY_CHANCE, EXPLAINED = 1e-3, 1.3
@@ -141,9 +144,40 @@ def identify_servo(recording: Recording) -> ServoFit:
         unknowns=Unknowns(each for each in problem.unknowns if each.key != "limit")
     )
     free = fit(unlimited, {**best.values, "limit": 2.0 * values["limit"]})
-    if free.cost < best.cost + CONTRADICTED * max(best.rms**2, 1.0):
+    if explained_by(free.cost, best.cost, free.inflation(SURE)) < np.log(len(LIMITS)):
         best = free
-    return _result(best, ready)
+    return _result(*_averaged(problem._replace(unknowns=best.unknowns), best), ready)
+
+
+def _averaged(problem: Problem, best: Fit) -> tuple[Fit, np.ndarray]:
+    """The fit with stiction if that is more probable, and the covariance (p, p) over any stiction.
+
+    As friction that falls at once it moves in stairs: it is held, and all of a grid count by their
+    evidence.
+    """
+    level = best.values["alpha0"]
+    tried: list[Values] = [{**best.values, "alpha1": part * level} for part in (0.0, *EXCESSES)]
+    gains, steps = _gained(problem, best, tried)
+    if np.max(gains) > np.log(len(EXCESSES)):
+        other = fit(problem, tried[int(np.argmax(gains))], best.state.first)
+        best = min(best, other, key=lambda each: each.cost)
+        gains, steps = _gained(problem, best, tried)
+    parts = np.append(1.0, np.full(len(EXCESSES), 1.0 / len(EXCESSES)))
+    weights = parts * np.exp(gains - np.max(gains))
+    own = np.diag(best.covariance) * few(best.segments - len(best.unknowns))
+    errors = mixture_errors(weights / weights.sum(), steps, np.tile(own, (len(steps), 1)))
+    factor = errors / np.sqrt(np.diag(best.covariance))
+    return best, best.covariance * np.outer(factor, factor)
+
+
+def _gained(problem: Problem, best: Fit, tried: list[Values]) -> tuple[np.ndarray, np.ndarray]:
+    """Logarithms of the evidence (n,) of values against a fit, and steps (n, p) to them."""
+    project, inflation = projection(problem, best), best.inflation(SURE)
+    least = float(project(best.values)[0].sum())
+    near: list[Values] = [{**best.values, "alpha1": each["alpha1"]} for each in tried]
+    squares, steps = zip(*(project(each) for each in near), strict=True)
+    gains = [explained_by(least, float(each.sum()), inflation) for each in squares]
+    return np.array(gains), np.array(steps)
 
 
 def _starts(values: Values) -> Iterator[Values]:
@@ -157,14 +191,14 @@ def _starts(values: Values) -> Iterator[Values]:
             yield {**values, **body, "limit": part * values["limit"]}
 
 
-def _result(best: Fit, recording: Recording) -> ServoFit:
+def _result(best: Fit, covered: np.ndarray, recording: Recording) -> ServoFit:
     """What is determined, and the verdict."""
-    deviations = best.unknowns.all("size") * np.sqrt(np.diag(best.covariance))
+    deviations = best.unknowns.all("size") * np.sqrt(np.diag(covered))
     names = {"alpha0": "friction", ("offset", 0): "offset"}
     values, standard, undetermined = {}, {}, {}
     for key, error in zip(best.unknowns.keys, map(float, deviations), strict=True):
         name, value = names.get(key, str(key)), best.values[key]
-        if key == ("offset", 0) or chance_of(best, (key,)) < BY_CHANCE:
+        if key == ("offset", 0) or chance_of(best, (key,), covered) < BY_CHANCE:
             values[name], standard[name] = float(value), error
         else:
             undetermined[name] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
@@ -221,6 +255,7 @@ def _first_values(recording: Recording) -> tuple[Values, float, float]:
         "alpha0": max(float(level), 0.01 * size),
         "viscous": max(float(viscous), 0.0),
         "delay": float(delay),
+        "stribeck_velocity": AT_ONCE * fastest,
         "limit": float(np.max(np.abs(error))),
         ("offset", 0): float(offset),
     }
