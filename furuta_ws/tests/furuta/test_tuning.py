@@ -168,23 +168,6 @@ def test_more_friction_than_is_known_is_tuned() -> None:
     assert swing(true, result) < 1.1 * ENCODER_COUNT
 
 
-def test_a_kept_presliding_is_tried_and_given_up() -> None:
-    """One that was kept before is learned again; others are kept in trials of their own."""
-    kept = "presliding_rate=0", "sigma0=2320"
-    true = loop_with(*LATE, *level(3.0), RECOMMENDED, *kept)
-    result = tune_simulated(true, TuningPlan(), silent)
-    before, standard = result.trials[:2]
-    assert "presliding 0.1 mrad" in before.title
-    assert "presliding" not in standard.title
-    assert standard.compensation.observer.learning.presliding_rate > 0.0
-    tried = [trial for trial in result.trials[2:] if trial.presliding]
-    assert tried
-    for trial in tried:
-        observer = trial.compensation.observer
-        assert observer.learning.presliding_rate == 0.0
-        assert 0.232 / observer.friction.sigma0 == pytest.approx(trial.presliding)
-
-
 def test_an_elastic_arm_does_not_fall() -> None:
     """Without compensation the pendulum falls on these belts."""
     for frequency, friction in ((22, 1.0), (25, 3.0)):

@@ -66,15 +66,11 @@ class ControllerNode(FurutaNode[ControllerParameters]):
         self._active_mode = mode.OFF
         self.design_by(self._design)
         self._mode_publisher = self.create_publisher(ACTIVE_MODE.message, ACTIVE_MODE.name, LATCHED)
+        self._publish_mode()
         self._publisher = LoopPublisher(self, COMMAND)
         self.subscribe_to(JOINT_STATES, self.on_state)
         self.subscribe_to(FRICTION_ESTIMATE, self.on_friction)
         self.create_subscription(ARMED.message, ARMED.name, self._on_armed, LATCHED)
-
-    def start_up(self) -> str:
-        """Publish the first mode; a recorder that knows this node then has every mode."""
-        self._publish_mode()
-        return ""
 
     def statistics(self) -> dict[str, object]:
         """Also the mode, and the states that had no estimate in time."""

@@ -54,9 +54,6 @@ class ComposedGraph:
             steady = Clock(clock_type=ClockType.STEADY_TIME)
             self.nodes[0].create_timer(COLLECT_EVERY, self._recorder.collect, clock=steady)
         wait_until_matched([*self.nodes, *([self._recorder] if self._recorder else [])])
-        for name, node in made.items():
-            if name != self.controlled:
-                node.start_up()
         self.executor: Executor = executor_of(self.nodes)
         prepare_to_spin()
 
