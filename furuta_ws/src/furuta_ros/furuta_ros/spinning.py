@@ -11,6 +11,7 @@ from typing import Any
 
 import rclpy
 import rclpy.logging
+from rclpy.duration import Duration
 from rclpy.exceptions import ParameterException
 from rclpy.executors import Executor, ExternalShutdownException
 from rclpy.node import Node
@@ -41,6 +42,8 @@ except ModuleNotFoundError:
 SPIN_TIMEOUT = 0.1
 # Longest wait for the nodes of this process to discover each other [s].
 DISCOVERY_TIMEOUT = 30.0
+# Longest wait for the reception of a message: a subscriber of another process may stand still [s].
+RECEPTION_TIMEOUT = 1.0
 
 
 @contextmanager
@@ -89,7 +92,8 @@ def executor_of(nodes: Iterable[Node]) -> Executor:
 def wait_until_matched(nodes: Sequence[Node]) -> None:
     """Return once every publisher of these nodes knows all their subscriptions to its topic.
 
-    In lock-step a message that does not reach a subscriber would stop the run.
+    In lock-step a message that does not reach a subscriber would stop the run. What was published
+    already, for late subscribers, has been received too: the next message would replace it.
 
     Raises:
         UserError: They do not discover each other.
@@ -108,6 +112,8 @@ def wait_until_matched(nodes: Sequence[Node]) -> None:
         if monotonic() > deadline:
             raise UserError("the nodes of this process did not discover each other")
         sleep(0.005)
+    for publisher in required:
+        publisher.wait_for_all_acked(Duration(seconds=RECEPTION_TIMEOUT))
 
 
 def spin_until(executor: Executor, done: Callable[[], bool]) -> None:
