@@ -27,5 +27,5 @@ figure.savefig("output/examples/random_rigs.png", dpi=110)
 # prints
 # none: median 0.4825 rad, worst rig 0.6843 rad
 # coulomb: median 0.0468 rad, worst rig 0.2053 rad
-# lugre: median 0.2163 rad, worst rig 0.3775 rad
-# recommended: median 0.0092 rad, worst rig 0.0162 rad
+# lugre: median 0.2158 rad, worst rig 0.3801 rad
+# recommended: median 0.0034 rad, worst rig 0.0080 rad

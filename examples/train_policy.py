@@ -59,5 +59,5 @@ for name in loops:
 
 # prints
 # policy: median 0.057 rad, 0 falls
-# recommended: median 0.009 rad, 0 falls
+# recommended: median 0.003 rad, 0 falls
 # none: median 0.507 rad, 0 falls
