@@ -103,7 +103,9 @@ def test_an_estimate_need_not_be_applied(rig: str, name: str) -> None:
             elastic = 0.9 * LEVEL if "belt" in rig else 0.0
             half = len(other.command) // 2
             assert error(other, half) <= max(2.0 * error(applied, half) + 0.1 * LEVEL, elastic)
-            assert chatter(other) <= 3.0 * chatter(applied) + 0.1 * LEVEL
+            # The friction itself changes more while the arm swings.
+            change = float(np.sqrt(np.mean(np.diff(other.friction) ** 2)))
+            assert chatter(other) <= 3.0 * max(chatter(applied), change) + 0.1 * LEVEL
 
 
 @rigs("rig")

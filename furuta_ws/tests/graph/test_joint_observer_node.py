@@ -182,8 +182,8 @@ def test_what_is_learned_is_in_the_status(bench: Bench, joint: str) -> None:
     bench.spin(lambda: bench.received[FRICTION_ESTIMATE.name])
     learned = node.statistics()
     assert learned["learned level"] == "0.25"
-    bandwidth, inverse_inertia = 50.0, 45.0 if joint == "arm" else 1.0 / 0.3
-    smallest = 0.25 * inverse_inertia / (4.0 * bandwidth) ** 2
+    inverse_inertia, fastest = (45.0, 4.0) if joint == "arm" else (1.0 / 0.3, 1.5)
+    smallest = 0.25 * inverse_inertia / (fastest * 50.0) ** 2
     starts = f"{smallest:.4g} (its smallest)" if smallest > 0.25e-3 else "0.00025"
     assert learned["learned presliding"] == starts
 

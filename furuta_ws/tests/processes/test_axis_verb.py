@@ -64,7 +64,7 @@ def test_several_joints_of_a_bag(furuta: Any, robot: Path, tmp_path: Path) -> No
     both = ("axis", "--identify", robot, "--joint", "elbow", "--joint", "wrist")
     status, out, err = furuta(*both, "--joint", "base", "--save", saved, "--json")
     assert (status, err.count("\n")) == (1, 1)
-    assert "base: bag: the axis moves by 0" in err
+    assert "base: bag: the torque is 0.1 throughout" in err
     found = json.loads(out)["joints"]
     assert found["base"]["usable"] == "no"
     assert not saved.exists()

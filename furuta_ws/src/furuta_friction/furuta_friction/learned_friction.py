@@ -1,9 +1,9 @@
 r"""Friction of two learned numbers: the level ρ, and the presliding x_s over which it turns.
 
 .. math::
-    m = ρ\,g(v)\,(n + T_σ\dot n), \qquad \dot n = \frac{v - |v|\,n}{x_s}
+    m = ρF_{max}(n + T_σ\dot n), \qquad \dot n = \frac{1}{x_s}\Bigl(v - \frac{F_{max}}{g(v)}|v|\,n\Bigr)
 
-n, between −1 and 1, is the bristle of LuGre friction relative to its level; σ₀ = ρF_max/x_s, and
+n, between −1 and 1, is the deflection of LuGre friction over its largest; σ₀ = ρF_max/x_s, and
 σ₁ = T_σ σ₀. ρ is relative to the levels g of the friction parameters, whose highest is F_max.
 
 **Level.** ρ follows what is observed beside m, r, where the joint has slid in one direction for
@@ -18,7 +18,7 @@ observed friction Tm + r, so x_s goes to where the mean of both is what is obser
 
 .. math::
     \dot{(\ln x_s)} = -\frac{μ\,e\,d}{(ρF_{max})^2 + e^2}, \qquad
-    d = T\bigl(ρg(n_- - n_+)\bigr), \qquad e = r - T\Bigl(ρg\frac{n_- + n_+}{2} - m\Bigr)
+    d = T\bigl(ρF_{max}(n_- - n_+)\bigr), \quad e = r - T\Bigl(ρF_{max}\frac{n_- + n_+}{2} - m\Bigr)
 
 x_s lies between limits that follow from the natural frequency √(bF_max/x_s) of the body on the
 bristle. What is slower than the observer is observed well without a model; what is faster than its
@@ -26,7 +26,7 @@ filter is not seen.
 """
 
 from dataclasses import dataclass, field
-from math import ceil
+from math import ceil, inf
 from typing import Annotated, NamedTuple
 
 from furuta_friction.disturbance_observer import (
@@ -46,8 +46,9 @@ from furuta_model.parameters import About
 SMALLEST_LEVEL, LARGEST_LEVEL, FALL, SLIDING = 1e-4, 4.0, 0.25, 0.8
 # Length of the longer of two bristles over x_s.
 LONGER = 1.5
-# Lowest and highest natural frequency of the body on the bristle, relative to the bandwidth.
-SLOWEST, FASTEST = 0.6, 4.0
+# Lowest and highest natural frequency of the body on the bristle, relative to the bandwidth. The
+# speed of a joint is derived from positions; a faster bristle would chatter with their steps.
+SLOWEST, FASTEST, FASTEST_OF_JOINT = 0.6, 4.0, 1.5
 # Times relative to that of the observer, the inverse of its bandwidth: for which the joint must
 # have slid in one direction, and T_σ.
 ONE_WAY, DAMPING_TIME = 4.0, 0.5
@@ -122,7 +123,8 @@ def design(friction: Friction, seen: Observation, p: LearningParameters) -> Lear
     """What is learned of a friction that is observed."""
     highest, dt, bandwidth = float(highest_level(friction)), seen.dt, seen.bandwidth
     unit = highest * seen.b / bandwidth**2
-    smallest, largest = unit / FASTEST**2, unit / SLOWEST**2
+    fastest = FASTEST_OF_JOINT if seen.valid_angle == inf else FASTEST
+    smallest, largest = unit / fastest**2, unit / SLOWEST**2
     first = highest / friction.sigma0
     return Learning(
         friction=friction,
@@ -182,32 +184,35 @@ def _learn_presliding(
     seen: Observation,
 ) -> None:
     x_s = memory.presliding
-    memory.shorter = turned(memory.shorter, v, x_s / LONGER, p.dt)
-    memory.longer = turned(memory.longer, v, x_s * LONGER, p.dt)
-    level = memory.level * stribeck_level(v, p.friction)
-    mean = 0.5 * level * (memory.shorter + memory.longer) - acting
-    d = respond(memory.difference, level * (memory.shorter - memory.longer), part, seen)
+    level, highest = stribeck_level(v, p.friction) / p.highest, memory.level * p.highest
+    memory.shorter = turned(memory.shorter, v, level, x_s / LONGER, p.dt)
+    memory.longer = turned(memory.longer, v, level, x_s * LONGER, p.dt)
+    mean = 0.5 * highest * (memory.shorter + memory.longer) - acting
+    d = respond(memory.difference, highest * (memory.shorter - memory.longer), part, seen)
     e = rest - respond(memory.mean, mean, part, seen)
-    highest = memory.level * p.highest
     x_s *= 1.0 - p.presliding_change * e * d / (highest * highest + e * e)
     learns = p.presliding_change > 0.0
     memory.presliding = min(max(x_s, p.smallest), p.largest) if learns else p.first
 
 
 @inlined
-def turned(n: float, v: float, x_s: float, dt: float) -> float:
-    """A bristle n that has moved at speed v for ``dt`` [s]: the exact solution."""
-    d = dt / x_s
-    return n + d * (v - abs(v) * n) * decay_fractions(d * abs(v))[0]
+def turned(n: float, v: float, level: float, x_s: float, dt: float) -> float:
+    """A bristle n that has moved at speed v for ``dt`` [s]: the exact solution.
+
+    ``level`` is g(v)/F_max.
+    """
+    d, decay = dt / x_s, abs(v) / level
+    return n + d * (v - decay * n) * decay_fractions(d * decay)[0]
 
 
 @inlined
 def moved(memory: LearnedMemory, n: float, v: float, p: Learning) -> tuple[float, float]:
     """The bristle n after a sample at speed v, and its friction m [V] without viscous friction."""
-    n = turned(n, v, memory.presliding, p.dt)
-    rate = (v - abs(v) * n) / memory.presliding
+    level = stribeck_level(v, p.friction) / p.highest
+    n = turned(n, v, level, memory.presliding, p.dt)
+    rate = (v - abs(v) / level * n) / memory.presliding
     dry = min(max(n + p.damping_time * rate, -1.0), 1.0)
-    return n, memory.level * stribeck_level(v, p.friction) * dry
+    return n, memory.level * p.highest * dry
 
 
 @inlined
@@ -222,7 +227,8 @@ def begin(memory: LearnedMemory, v: float, force: float, p: Learning) -> float:
     memory.one_way = 0
     forget(memory)
     n = (force - p.friction.viscous * v) / (memory.level * p.highest)
-    return turned(min(max(n, -1.0), 1.0), v, memory.presliding, MOVED_BEFORE)
+    level = stribeck_level(v, p.friction) / p.highest
+    return turned(min(max(n, -1.0), 1.0), v, level, memory.presliding, MOVED_BEFORE)
 
 
 @inlined
