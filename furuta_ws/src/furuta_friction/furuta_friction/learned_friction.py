@@ -1,7 +1,8 @@
 r"""Friction of two learned numbers: the level ρ, and the presliding x_s over which it turns.
 
 .. math::
-    m = ρF_{max}(n + T_σ\dot n), \qquad \dot n = \frac{1}{x_s}\Bigl(v - \frac{F_{max}}{g(v)}|v|\,n\Bigr)
+    m = ρF_{max}(n + T_σ\dot n), \qquad
+    \dot n = \frac{1}{x_s}\Bigl(v - \frac{F_{max}}{g(v)}|v|\,n\Bigr)
 
 n, between −1 and 1, is the deflection of LuGre friction over its largest; σ₀ = ρF_max/x_s, and
 σ₁ = T_σ σ₀. ρ is relative to the levels g of the friction parameters, whose highest is F_max.
