@@ -88,9 +88,7 @@ def plane(senses_motor: bool) -> tuple[np.ndarray, np.ndarray]:
     for i, gap in enumerate(GAPS):
         for k, frequency in enumerate(FREQUENCIES):
             belt = Belt(frequency, 0.03, 0.5, gap, 0.5, senses_motor)
-            plant = two_masses(
-                tuple(FurutaPendulum()), friction("stiction", 1.0), belt, DELAY, LAG, DT
-            )
+            plant = two_masses(FurutaPendulum(), friction("stiction", 1.0), belt, DELAY, LAG, DT)
             rig = LateRig("", plant, True, 1.0, (DELAY, LAG), (DELAY, LAG))
             for m, loop in enumerate((none, loop_told(DELAY, LAG))):
                 swings[m, i, k] = np.median([swing(rig, loop, seed) for seed in range(3)])
