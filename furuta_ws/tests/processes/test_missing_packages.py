@@ -43,11 +43,12 @@ def test_a_verb(
     *, remove: Any, processes: Any, tmp_path: Path, monkeypatch: Any, missing: str, arguments: str,
     remedy: str,
 ) -> None:  # fmt: skip
-    """It ends with status 1 and has written no file."""
+    """It ends with status 1 and has written no file; an answer is not lost."""
     monkeypatch.chdir(tmp_path)
     remove(missing)
     status, out, err = processes.run(*arguments.split())
-    assert (status, out) == (1, "")
+    assert status == 1
+    assert out.startswith("The arm") if "simulate" in arguments else out == ""
     (line,) = err.splitlines()
     assert missing in line
     assert remedy in line

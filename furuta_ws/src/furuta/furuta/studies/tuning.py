@@ -63,7 +63,7 @@ SMALLEST_COUNT = 1e-3
 # Relative difference of two lags or scales.
 DIFFERENT = 0.2
 # Scales of the bandwidth that are tried at first and later; lags of the drive [s].
-SMALLER, LARGER, LAGS = 0.7, (1.4, 2.0), (0.006, 0.012, 0.025)
+SMALLER, LARGER, LAGS = 0.7, (2.0, 1.4), (0.006, 0.012, 0.025)
 # Swing, relative to the best one, below which a trial is better, and from which it is given up.
 BETTER, GROWN = 0.9, 1.3
 # Swing in counts of the encoder from which no compensation may be better.
