@@ -30,6 +30,7 @@ from dataclasses import dataclass, field
 from math import ceil, inf
 from typing import Annotated, NamedTuple
 
+from furuta_friction.compensators.bristle_observer import MOVED_BEFORE
 from furuta_friction.disturbance_observer import (
     Observation,
     ResponseMemory,
@@ -53,8 +54,6 @@ SLOWEST, FASTEST, FASTEST_OF_JOINT = 0.6, 4.0, 1.5
 # Times relative to that of the observer, the inverse of its bandwidth: for which the joint must
 # have slid in one direction, and T_σ.
 ONE_WAY, DAMPING_TIME = 4.0, 0.5
-# Time for which the joint counts as having moved at its present speed when it begins [s].
-MOVED_BEFORE = 0.02
 
 
 @dataclass
@@ -218,11 +217,7 @@ def moved(memory: LearnedMemory, n: float, v: float, p: Learning) -> tuple[float
 
 @inlined
 def begin(memory: LearnedMemory, v: float, force: float, p: Learning) -> float:
-    """Begin at speed v; the bristle n that has had the ``force`` [V] before.
-
-    A slow joint is hardly accelerated, so the force is known from the torque. That of a fast one is
-    known from its direction.
-    """
+    """Begin at speed v; the bristle n that has had the ``force`` [V], and then moved so."""
     if memory.presliding == 0.0 or p.presliding_change == 0.0:
         memory.presliding = p.first
     memory.one_way = 0

@@ -181,11 +181,8 @@ class Tuner:
     def _recommended(self, scale: float, lag: float, presliding: float = LEARNED) -> Trial:
         """The recommended setting with another bandwidth, for another lag, with a presliding."""
         estimator, observer, controller = self._start
-        drive, learning, friction = (
-            observer.drive._replace(lag=lag),
-            observer.learning,
-            observer.friction,
-        )
+        drive = observer.drive._replace(lag=lag)
+        learning, friction = observer.learning, observer.friction
         if presliding != LEARNED:
             friction = friction._replace(sigma0=float(highest_level(friction)) / presliding)
             learning = learning._replace(presliding_rate=0.0)
