@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
 from textwrap import fill
 from typing import Any, ClassVar
 
@@ -12,19 +12,21 @@ from furuta.results.text import WIDTH, values_text
 from furuta_model.parameters import ParameterError
 
 
-class Result(ABC):
-    """What a study found.
+class Result:
+    """What a study found: a dataclass, of which the fields with ``repr`` are in :meth:`to_dict`.
 
     It prints as :meth:`report`. The names of :meth:`to_dict` are those of ``--json`` on the command
     line; a name ends in the unit of its value, or ``units`` has it. Angles are in rad.
     """
 
-    # Names of values that a person does not need to see.
+    # Properties that count as fields, and names of values that a person does not need to see.
+    also: ClassVar[tuple[str, ...]] = ()
     details: ClassVar[frozenset[str]] = frozenset()
 
-    @abstractmethod
     def _by_name(self) -> dict[str, Any]:
         """Everything by name."""
+        own = [field.name for field in fields(self) if field.repr] if is_dataclass(self) else []
+        return {name: getattr(self, name) for name in (*own, *self.also)}
 
     def to_dict(self) -> dict[str, Any]:
         """Everything by name, as numbers, text, lists and dictionaries; None for no finite value.
