@@ -16,7 +16,7 @@ from furuta.axis.compensations import compare_on_axis, residual
 from furuta.axis.friction_text import friction_from_text
 from furuta.axis.joint_file import NEEDED, joint_parameters, write_joint_file
 from furuta.axis.quiet_gains import gain_rows, quiet_gains, stable_gains
-from furuta.results.cycles import JointCycle
+from furuta.limit_cycles.joint import JointCycle
 from furuta.results.rig_friction import MeasuredFriction
 from furuta_friction.compensation import COMPENSATIONS
 from furuta_hw.commissioning.friction import FrictionLevels

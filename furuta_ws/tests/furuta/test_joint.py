@@ -10,7 +10,7 @@ from scipy.linalg import solve_continuous_are
 
 import furuta.limit_cycles.limit_cycle as engine
 from furuta.axis.axis import Axis, Cascade, Controller, Pid, released, servo_joint
-from furuta.limit_cycles.joint import Joint, JointCycle, joint, joint_cycle, trace_joint
+from furuta.limit_cycles.joint import Joint, JointCycle, joint, joint_cycle
 from furuta_model.friction.parameters import Friction
 
 LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
@@ -185,7 +185,7 @@ def test_a_cycle_of_an_axis_that_slides_backward_only_can_be_drawn() -> None:
     """From its start over one period, in which the axis covers what the reference does."""
     made = servo_joint(Axis(0.01, Friction(alpha0=0.1, alpha1=0.1), "stiction"), PID, -0.1)
     cycle = joint_cycle(made, np.zeros(3))
-    path = trace_joint(made, cycle)
+    path = cycle.trace()
     assert path.time[-1] == pytest.approx(cycle.period_s, rel=1e-9)
     assert path.state[-1, 0] - path.state[0, 0] == pytest.approx(-0.1 * cycle.period_s, rel=1e-6)
     np.testing.assert_allclose(path.state[-1, 1:], path.state[0, 1:], atol=1e-9)
@@ -280,7 +280,7 @@ def test_a_cart_that_creeps_past_an_unstable_rest_is_not_at_rest(x: tuple[float,
     assert (cycle.kind, cycle.stable) == ("limit_cycle", True)
     assert cycle.peak_to_peak == pytest.approx(0.08556968, abs=1e-8)
     assert cycle.period_s == pytest.approx(17.865258, abs=1e-6)
-    path = trace_joint(cart, cycle)
+    path = cycle.trace()
     assert path.time[-1] == pytest.approx(cycle.period_s)
     exactly = joint_cycle(cart, np.zeros(4))
     assert (exactly.kind, exactly.stable) == ("rest", False)
@@ -330,7 +330,7 @@ def test_a_joint_that_never_stops_can_still_have_a_cycle(side: int) -> None:
         rate, (0.0, 600.0), [-0.8, 0.09], "DOP853", events=falls, rtol=1e-10, atol=1e-12
     )
     assert np.diff(run.t_events[0])[-1] == pytest.approx(cycle.period_s, rel=1e-7)
-    path = trace_joint(made, cycle)
+    path = cycle.trace()
     assert path.time[-1] == pytest.approx(cycle.period_s, rel=1e-12)
     np.testing.assert_allclose(path.state[-1, 1:], path.state[0, 1:], atol=1e-9)
 

@@ -108,7 +108,7 @@ REFUSED: dict[str, Callable[[], object]] = {
     "alpha.* gamma = 1": lambda: cycle_of(1.0, 1.0, 1.0, 1.0, 1.0),
     "finite.*nan": lambda: cycle_of(BODY.gamma, nan, 1.0, 1.0, 1.0),
     "no limit cycle": lambda: Branch(lambda _: ideal_loop(), 0.0, 1.0).follow(
-        0.5, LimitCycle("rest")
+        0.5, LimitCycle("rest", loop=ideal_loop())
     ),
     "four finite numbers.*3": lambda: transfer(BODY, (1.0, 2.0, 3.0)),
     "four finite numbers.*nan": lambda: transfer(BODY, (1.0, 2.0, 3.0, nan)),

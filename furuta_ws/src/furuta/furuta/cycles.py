@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from typing import Any, overload
 
 import numpy as np
@@ -12,8 +13,9 @@ from furuta.describing_functions.predicted_cycles import predict_cycles as predi
 from furuta.limit_cycles import continuation
 from furuta.limit_cycles import joint as joints
 from furuta.limit_cycles import limit_cycle as cycles
-from furuta.limit_cycles.joint import Joint, Units
+from furuta.limit_cycles.joint import Joint, JointCycle, Units
 from furuta.limit_cycles.pendulum_loop import IdealLoop
+from furuta.limit_cycles.periodic_orbit import LimitCycle
 from furuta.loops import (
     checked_loop,
     ideal_loop,
@@ -22,7 +24,7 @@ from furuta.loops import (
     require_varied,
     value_of,
 )
-from furuta.results.cycles import Branch, CycleMap, JointCycle, LimitCycle, Prediction
+from furuta.results.cycles import Branch, CycleMap, Prediction
 from furuta.studies.feedback_map import map_feedbacks
 from furuta.transfer import joint_transfer, transfer
 from furuta_model.friction.parameters import Friction
@@ -101,12 +103,12 @@ def limit_cycle(
     """
     if isinstance(loop, Joint):
         _reject(law=law, feedback=feedback, linear=linear or None, theta=theta)
-        return JointCycle(joints.joint_cycle(loop, start), loop)
+        return joints.joint_cycle(loop, start)
     ideal = _ideal(loop, law, feedback, linear)
     cycle = cycles.limit_cycle(ideal, _start(theta, start))
     if cycle.kind == "unbounded":
         require_stabilising(ideal)
-    return LimitCycle(cycle, ideal, _left_out(loop))
+    return replace(cycle, loop=ideal, left_out=_left_out(loop))
 
 
 def predict_cycles(
@@ -131,9 +133,8 @@ def predict_cycles(
         _reject(law=law, feedback=feedback, linear=linear or None)
         return _predict_joint(loop)
     ideal = _ideal(loop, law, feedback, linear)
-    return Prediction(
-        predicted(transfer(ideal.body, ideal.gains), ideal.law), ideal, _left_out(loop)
-    )
+    found = predicted(transfer(ideal.body, ideal.gains), ideal.law)
+    return Prediction(**vars(found), loop=ideal, left_out=_left_out(loop))
 
 
 def cycle_branch(
@@ -173,9 +174,8 @@ def cycle_branch(
         _reject(law=law, feedback=feedback, linear=linear or None, theta=theta)
         if value is None:
             raise ParameterError("value must be given, where the branch begins")
-        here = loop(value)
         motion, found = joints.branch(loop, low, high, value, start)
-        return Branch(name, found, JointCycle(motion, here))
+        return Branch(name, found, motion)
     given = checked_loop(loop)
     gains = None if feedback is None else list(feedback)
     require_varied(name)
@@ -185,7 +185,7 @@ def cycle_branch(
     points = continuation.follow_branch(
         lambda each: ideal_loop(given, {name: each}, law, gains, linear), low, high, own, cycle
     )
-    return Branch(name, points, LimitCycle(cycle, ideal, left_out(given)))
+    return Branch(name, points, replace(cycle, loop=ideal, left_out=left_out(given)))
 
 
 def cycle_map(
@@ -246,8 +246,8 @@ def _ideal(
     return ideal
 
 
-def _left_out(loop: Loop | IdealLoop | None) -> list[str]:
-    return [] if isinstance(loop, IdealLoop) else left_out(checked_loop(loop))
+def _left_out(loop: Loop | IdealLoop | None) -> tuple[str, ...]:
+    return () if isinstance(loop, IdealLoop) else left_out(checked_loop(loop))
 
 
 def _start(theta: float | None, start: np.ndarray | None) -> np.ndarray:
@@ -273,12 +273,13 @@ def _predict_joint(given: Joint) -> Prediction:
     scaled = predicted(joint_transfer(loop.a, loop.b), loop.law)
     low, high = scaled.omega_range_rad_s
     least, largest = scaled.phi_amplitude_range_rad
-    in_units = scaled._replace(
+    return Prediction(
         cycles=tuple(_in_units(cycle, units) for cycle in scaled.cycles),
         omega_range_rad_s=(low / units.time, high / units.time),
         phi_amplitude_range_rad=(least * units.position, largest * units.position),
+        complete=scaled.complete,
+        loop=given,
     )
-    return Prediction(in_units, given)
 
 
 def _in_units(cycle: PredictedCycle, units: Units) -> PredictedCycle:

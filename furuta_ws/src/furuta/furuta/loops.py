@@ -190,12 +190,12 @@ def _require_plain(plant: PlantParameters) -> None:
         )
 
 
-def left_out(loop: Loop) -> list[str]:
+def left_out(loop: Loop) -> tuple[str, ...]:
     """Names of the parameters that the ideal loop idealises, where they are not the default."""
     given, usual = values(loop.plant), values(PlantParameters())
     changed = [name for name in usual if name.startswith(IDEAL) and given[name] != usual[name]]
     compensated = ["friction_observer.compensation"] * (loop.observer.compensation != "none")
-    return [f"plant.{name}" for name in changed] + compensated
+    return (*(f"plant.{name}" for name in changed), *compensated)
 
 
 def require_stabilising(ideal: IdealLoop) -> None:

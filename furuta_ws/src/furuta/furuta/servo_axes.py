@@ -13,7 +13,7 @@ from furuta.axis.axis import Axis, Cascade, Pid
 from furuta.axis.compensations import compare_on_axis
 from furuta.axis.draws import COMPARED, consequences
 from furuta.axis.quiet_gains import FEW, HUNTING, quiet_gains
-from furuta.results.cycles import JointCycle
+from furuta.limit_cycles.joint import JointCycle
 from furuta.results.identified import AxisFit
 from furuta.results.servo_axes import AxisRun, AxisStudy, Sampling, Study
 from furuta_model.parameters import ParameterError
@@ -41,8 +41,7 @@ def servo_cycle(axis: Axis, controller: Pid | Cascade, speed: float = 0.0) -> Jo
     Raises:
         ParameterError: A number is not finite, the inertia not above 0, or the law not analysed.
     """
-    found = axes.servo_cycle(axis, controller, speed)
-    return JointCycle(found, axes.servo_joint(axis, controller, speed))
+    return axes.servo_cycle(axis, controller, speed)
 
 
 def study_axis(
@@ -99,11 +98,9 @@ def study_axis(
         known[0] if sample_time is None else sample_time,
         known[1] if delay is None else delay,
     )
-    found = axes.servo_motions(axis, controller, speed, progress)
-    joint = axes.servo_joint(axis, controller, speed)
-    motions = {start: JointCycle(motion, joint) for start, motion in found.items()}
+    motions = axes.servo_motions(axis, controller, speed, progress)
     study = Study(axis, controller, speed, loop, motions, fit)
-    cycle, options = next(iter(found.values())), dict[str, Any](speed=speed, progress=progress)
+    cycle, options = next(iter(motions.values())), dict[str, Any](speed=speed, progress=progress)
     if fit is not None:
         study = study._replace(consequences=consequences(others, controller, **options))
         options |= {"by_topic": True, "largest_chatter": QUIET * fit.values.get("alpha0", 0.0)}

@@ -22,8 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Cascade, Controller, Pid, check_axis, servo_cycle, servo_joint
-from furuta.limit_cycles.joint import trace_joint
+from furuta.axis.axis import Axis, Cascade, Controller, Pid, check_axis, servo_cycle
 from furuta_model.optional import needed_by
 from furuta_model.parameters import ParameterError
 
@@ -131,7 +130,7 @@ def certificate(axis: Axis, controller: Controller) -> Certificate:
     cycle = servo_cycle(axis, controller)
     if cycle.kind != "limit_cycle" or not np.isfinite(cycle.period_s):
         raise ParameterError("the axis has no periodic cycle")
-    path = trace_joint(servo_joint(axis, controller), cycle)
+    path = cycle.trace()
     # A period begins at the upper reversal.
     edges = np.flatnonzero(np.diff(np.concatenate([[0], path.state[:, 1] != 0.0, [0]])))
     if len(edges) != 4:

@@ -15,6 +15,7 @@ with G = B/D, must be stable too.
 ``control.describing_function_response`` knows neither N(ω) nor stability, and drops small cycles.
 """
 
+from dataclasses import dataclass
 from math import pi
 from typing import NamedTuple
 
@@ -45,7 +46,8 @@ class PredictedCycle(NamedTuple):
     bias_v: float
 
 
-class Prediction(NamedTuple):
+@dataclass(frozen=True)
+class Prediction:
     """All predicted limit cycles in order of amplitude, and the range that was searched.
 
     The ranges of ω [rad/s] and of the arm amplitude A/ω [rad] are unlimited for laws that depend on

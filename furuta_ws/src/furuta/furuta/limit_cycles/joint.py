@@ -8,7 +8,8 @@ size, so that tolerances mean the same for a watch and for a crane.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,8 +20,15 @@ from furuta.limit_cycles.exact_motion import state_after
 from furuta.limit_cycles.friction_loop import rate
 from furuta.limit_cycles.limit_cycle import limit_cycle
 from furuta.limit_cycles.linear_loop import LinearLoop
-from furuta.limit_cycles.periodic_orbit import Kind, LimitCycle, Trajectory, trace
+from furuta.limit_cycles.periodic_orbit import (
+    Kind,
+    LimitCycle,
+    Trajectory,
+    motion_text,
+    trace,
+)
 from furuta.limit_cycles.rest_stability import STILL
+from furuta.results.result import Result
 from furuta_model.friction.laws import (
     analysed_law,
     check_friction,
@@ -93,8 +101,9 @@ class Joint(NamedTuple):
         return Joint(LinearLoop(a, basis @ loop.b * force * time, basis @ loop.r * time, law), new)
 
 
-class JointCycle(NamedTuple):
-    """Final motion of a joint (``kind``: limit_cycle, rest, steady, unbounded, irregular).
+@dataclass(frozen=True, repr=False)
+class JointCycle(Result):
+    """The final motion of any linear loop with a friction joint, in the loop's own units.
 
     ``peak_to_peak`` is that of the position [m or rad], without its mean motion. ``start`` is the
     state x (n,) at the upper reversal; at the lower one if there is no upper one, and where the
@@ -104,21 +113,65 @@ class JointCycle(NamedTuple):
     was seen over ``observed_s`` after ``transient_s``.
     """
 
+    also = ("stable",)
+
     kind: Kind
-    peak_to_peak: float = 0.0
-    period_s: float = float("nan")
-    stuck_fraction: float = 0.0
-    floquet_multipliers: tuple[complex, ...] = ()
-    growth_rate_1_s: float = float("nan")
-    transient_s: float = float("nan")
-    observed_s: float = float("nan")
-    start: tuple[float, ...] = ()
-    scaled: LimitCycle | None = None
+    peak_to_peak: float
+    period_s: float
+    stuck_fraction: float
+    floquet_multipliers: tuple[complex, ...]
+    growth_rate_1_s: float
+    transient_s: float
+    observed_s: float
+    start: tuple[float, ...] = field(repr=False)
+    scaled: LimitCycle = field(repr=False)
+    loop: Joint = field(repr=False, compare=False)
 
     @property
     def stable(self) -> bool:
         """Whether disturbances decay."""
-        return self.scaled is not None and self.scaled.stable
+        return self.scaled.stable
+
+    def sentence(self, size: str = "", name: str = "The joint") -> str:
+        """The kind of motion, its ``size`` in words, and its period."""
+        size = size or f"{self.peak_to_peak:.3g}"
+        if self.kind == "limit_cycle" and np.isfinite(self.period_s):
+            stuck = 100 * self.stuck_fraction
+            sticks = f"; it sticks {stuck:.0f} % of the time" * (stuck > 0.0)
+            return f"{name} hunts by {size} every {self.period_s:.3g} s{sticks}."
+        return {
+            "limit_cycle": f"{name} moves by {size} between two rests, and stays at each until a "
+            "disturbance has grown.",
+            "steady": f"{name} moves steadily.",
+            "rest": f"{name} comes to rest.",
+            "unbounded": "The motion grows without bound.",
+            "irregular": f"{name} moves irregularly, by {size}.",
+        }[self.kind]
+
+    def table(self, values: Mapping[str, Any]) -> str:
+        """What has a meaning for this kind of motion."""
+        return motion_text(values, ("peak_to_peak",))
+
+    def trace(self) -> Trajectory:
+        """One period: ``time`` (n,) [s], ``state``, position and x (n, 1 + states), forces (n,).
+
+        Raises:
+            ParameterError: The motion is no limit cycle with a finite period.
+        """
+        if self.kind != "limit_cycle":
+            raise ParameterError(f"there is no limit cycle: the motion is {self.kind}")
+        units, path = self.loop.units, self.scaled.trace()
+        position = units.position * path.state[:, :1]
+        state = np.hstack([position, path.state[:, 1:-1] @ units.basis.T])
+        return Trajectory(
+            units.time * path.time, state, units.force * path.control, units.force * path.friction
+        )
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw one period and the phase plane; see :meth:`Result.plot`."""
+        from furuta.figures.limit_cycle import draw_joint
+
+        return draw_joint(self.trace(), self.sentence(), axes)
 
 
 def matrices(system: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -293,6 +346,7 @@ def _with_units(given: Joint, cycle: LimitCycle) -> JointCycle:
         cycle.observed_s * units.time,
         start,
         cycle,
+        given,
     )
 
 
@@ -319,19 +373,6 @@ def _extreme(loop: LinearLoop, path: Trajectory, at: float, drift: float) -> flo
     y, dy = state_after(path.state[k], mode, at - path.time[k], loop), np.empty(loop.states)
     rate(y, mode, loop, dy)
     return float(y[PHI] - drift * at - 0.5 * (y[PHI_DOT] - drift) ** 2 / dy[PHI_DOT])
-
-
-def trace_joint(given: Joint, cycle: JointCycle) -> Trajectory:
-    """One period of a cycle: time (n,) [s], position and state x (n, 1 + states), forces (n,)."""
-    if cycle.kind != "limit_cycle" or cycle.scaled is None:
-        raise ParameterError(f"there is no limit cycle: the motion is {cycle.kind}")
-    units = given.units
-    path = trace(given.loop, cycle.scaled)
-    position = units.position * path.state[:, :1]
-    state = np.hstack([position, path.state[:, 1:-1] @ units.basis.T])
-    return Trajectory(
-        units.time * path.time, state, units.force * path.control, units.force * path.friction
-    )
 
 
 def branch(

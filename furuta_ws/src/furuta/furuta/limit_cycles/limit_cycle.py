@@ -133,6 +133,7 @@ class _Search:
             side=self._section.side,
             transient_s=sum(end.time for _, end in self._seen[:half]),
             observed_s=observed,
+            loop=self._loop,
         )
 
     def _follow(self) -> Return:
@@ -145,7 +146,7 @@ class _Search:
     def _after(self, end: Return, number: int) -> LimitCycle | None:
         """The final motion, if it is known after this return."""
         if end.ended == UNBOUNDED:
-            return LimitCycle("unbounded")
+            return LimitCycle("unbounded", loop=self._loop)
         stiff = (
             number == 0 and end.ended != TIME_OUT and end.extent[FURTHER, STEPS] > 0.5 * MAX_STEPS
         )
@@ -240,7 +241,8 @@ class _Search:
             if slides and not loop.may_rotate:  # very slowly, to where friction holds it
                 return self._at_rest()
             grows = slides and abs(v) > abs(self._start[PHI_DOT])
-            return LimitCycle("unbounded") if grows else self._irregular()
+            unbounded = LimitCycle("unbounded", loop=loop)
+            return unbounded if grows else self._irregular()
         if not slides and self._windows > 1:
             # The arm oscillates by less than what counted as a slide.
             self._section = Section(loop, SLIDE * _size(end), self._section.side)
@@ -251,7 +253,7 @@ class _Search:
         v = float(y[PHI_DOT])
         growth = rotation_growth(v, loop.body, loop.gains, loop.law, loop.linear)
         if growth < 0.0 or self._windows > WINDOWS:
-            return LimitCycle("steady", rotation_rate_rad_s=v, growth_rate_1_s=growth)
+            return LimitCycle("steady", rotation_rate_rad_s=v, growth_rate_1_s=growth, loop=loop)
         self._y = y.copy()
         self._y[THETA] += DISTURBANCE
         return None
@@ -264,7 +266,7 @@ class _Search:
         """
         y = rest_state(self._y, self._loop)
         growth, directions = rest_stability(y, self._loop)
-        at_rest = LimitCycle("rest", point=tuple(y), growth_rate_1_s=growth)
+        at_rest = LimitCycle("rest", point=tuple(y), growth_rate_1_s=growth, loop=self._loop)
         if growth < 0.0:
             return at_rest
         if growth > 0.0 and isinstance(self._loop, LinearLoop) and not self._loop.passes_rests:
@@ -275,7 +277,7 @@ class _Search:
             return None
         for number, excursion in enumerate(self._excursions):
             if abs(excursion.phi - y[PHI]) < SAME_REST:
-                return _repeated(self._excursions[number:], growth)
+                return _repeated(self._excursions[number:], growth, self._loop)
         for direction in directions:
             self._y = y + DISTURBANCE * direction
             self._mode = first_mode(self._y, self._loop)
@@ -299,7 +301,7 @@ class _Excursion:
         self.high = np.maximum(self.high, end.extent[HIGH, [PHI, THETA]])
 
 
-def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
+def _repeated(excursions: list[_Excursion], growth: float, loop: FrictionLoop) -> LimitCycle:
     low = np.min([excursion.low for excursion in excursions], axis=0)
     high = np.max([excursion.high for excursion in excursions], axis=0)
     phi, theta = (float(size) for size in high - low)
@@ -312,6 +314,7 @@ def _repeated(excursions: list[_Excursion], growth: float) -> LimitCycle:
         point=tuple(excursions[0].start),
         rest_distance=0.0,
         growth_rate_1_s=growth,
+        loop=loop,
     )
 
 

@@ -9,7 +9,11 @@ A periodic motion satisfies s = P(s). Newton's method finds it, stable or not. I
 multipliers are the eigenvalues of dP/ds.
 """
 
-from typing import Literal, NamedTuple
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -33,6 +37,8 @@ from furuta.limit_cycles.smooth_motion import (
     STUCK,
     extent_at,
 )
+from furuta.results.result import Result
+from furuta.results.text import angle, swing_sentence, values_text
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA
 
@@ -140,12 +146,23 @@ class Section:
         return np.array(columns).T
 
 
-# Kinds of a final motion.
+# Kinds of a final motion, and what a person sees of it beside its size.
 Kind = Literal["limit_cycle", "steady", "rest", "unbounded", "irregular"]
+OF_CYCLE, OF_REST = ("period_s", "stuck_fraction", "floquet_multipliers"), ("growth_rate_1_s",)
+SHOWN = {"limit_cycle": OF_CYCLE, "irregular": OF_CYCLE[:2], "steady": OF_REST, "rest": OF_REST}
+SIZES = ("phi_peak_to_peak_rad", "theta_peak_to_peak_rad")
 
 
-class LimitCycle(NamedTuple):
-    """Final motion of a loop (``kind``: limit_cycle, steady, rest, unbounded, irregular).
+def motion_text(values: Mapping[str, Any], sizes: Sequence[str]) -> str:
+    """The values that have a meaning for the kind of a motion; ``sizes`` are those of its size."""
+    kind = values["kind"]
+    names = (*(sizes if kind in ("limit_cycle", "irregular") else ()), *SHOWN.get(kind, ()))
+    return values_text({n: values[n] for n in (*names, "left_out") if n in values})
+
+
+@dataclass(frozen=True, repr=False)
+class LimitCycle(Result):
+    """The final motion of a loop without sampling and saturation.
 
     ``stuck_fraction`` is the part of the period in which the arm sticks, ``floquet_multipliers``
     the factors by which disturbances grow per period. ``turns`` is the number of upper reversals of
@@ -154,7 +171,8 @@ class LimitCycle(NamedTuple):
     ``smallest_slide`` [rad]. The ``point`` of a cycle without reversals has a speed.
     ``rest_distance`` [rad, rad/s, V] is how close the cycle comes to a rest, and
     ``growth_rate_1_s`` how fast a disturbance grows at the rest or rotation, decaying if negative;
-    0 at a rest that an integrator leaves and comes back to.
+    0 at a rest that an integrator leaves and comes back to. ``left_out`` names parameters of the
+    sampled loop that ``loop`` idealises.
 
     An irregular motion was seen over ``observed_s`` from ``point`` on, with ``turns`` upper
     reversals, after ``transient_s``; sizes and ``stuck_fraction`` are those of what was seen.
@@ -162,6 +180,8 @@ class LimitCycle(NamedTuple):
     With an infinite period the arm creeps to an unstable rest and stays there until a disturbance,
     however small, has grown with ``growth_rate_1_s``; then it moves to such a rest again.
     """
+
+    also = ("stable", "left_out")
 
     kind: Kind
     phi_peak_to_peak_rad: float = 0.0
@@ -171,13 +191,15 @@ class LimitCycle(NamedTuple):
     stuck_fraction: float = 0.0
     floquet_multipliers: tuple[complex, ...] = ()
     turns: int = 1
-    point: tuple[float, ...] = ()
-    smallest_slide: float = 0.0
+    point: tuple[float, ...] = field(default=(), repr=False)
+    smallest_slide: float = field(default=0.0, repr=False)
     rest_distance: float = float("nan")
     growth_rate_1_s: float = float("nan")
     transient_s: float = float("nan")
     observed_s: float = float("nan")
-    side: float = 1.0
+    side: float = field(default=1.0, repr=False)
+    loop: FrictionLoop = field(kw_only=True, repr=False, compare=False)
+    left_out: tuple[str, ...] = field(default=(), repr=False)
 
     @property
     def stable(self) -> bool:
@@ -189,6 +211,46 @@ class LimitCycle(NamedTuple):
         if self.kind in ("rest", "steady"):
             return self.growth_rate_1_s <= 0.0
         return self.kind == "limit_cycle" and all(abs(m) < 1.0 for m in self.floquet_multipliers)
+
+    def sentence(self) -> str:
+        """The kind of motion, its size and its period."""
+        stable = f"This motion is {'stable' if self.stable else 'unstable'}."
+        size = angle(self.phi_peak_to_peak_rad)
+        if self.kind == "limit_cycle" and np.isfinite(self.period_s):
+            swing = swing_sentence(self.phi_peak_to_peak_rad, self.period_s, self.stuck_fraction)
+            return f"{swing} {stable}"
+        return {
+            "limit_cycle": f"The arm moves by {size} between two rests, and stays at each until a "
+            "disturbance has grown.",
+            "steady": f"The arm turns at {self.rotation_rate_rad_s:.3g} rad/s. {stable}",
+            "rest": f"The loop comes to rest. {stable}",
+            "unbounded": "The pendulum falls.",
+            "irregular": f"The arm moves irregularly, by {size}.",
+        }[self.kind]
+
+    def table(self, values: Mapping[str, Any]) -> str:
+        """What has a meaning for this kind of motion."""
+        return motion_text(values, SIZES)
+
+    def trace(self) -> Trajectory:
+        """One period.
+
+        Returns:
+            ``time`` (n,) [s], unevenly spaced; ``state`` (n, 5), x and the bristle [rad, rad/s];
+            ``control`` and ``friction`` (n,) [V].
+
+        Raises:
+            ParameterError: The motion is no limit cycle with a finite period.
+        """
+        if self.kind != "limit_cycle":
+            raise ParameterError(f"there is no limit cycle: the motion is {self.kind}")
+        return trace(self.loop, self)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw one period and the arm's phase plane; see :meth:`Result.plot`."""
+        from furuta.figures.limit_cycle import draw_limit_cycle
+
+        return draw_limit_cycle(self.trace(), f"{self.loop.law.name}: {self.sentence()}", axes)
 
 
 def periodic_orbit(
@@ -242,6 +304,7 @@ def limit_cycle_through(
         section.smallest,
         float(end.extent[FURTHER, CLOSEST]),
         side=section.side,
+        loop=section.loop,
     )
 
 

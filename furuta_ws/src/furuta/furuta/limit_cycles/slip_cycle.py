@@ -67,6 +67,7 @@ def slip_cycle(loop: LinearLoop, y: np.ndarray) -> LimitCycle | None:
                 point=tuple(s),
                 rest_distance=float(extent[FURTHER, CLOSEST]),
                 side=mode,
+                loop=loop,
             )
         s[moving][1:] += correction[:-1]
         period += float(correction[-1])

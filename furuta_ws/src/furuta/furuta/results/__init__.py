@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 from furuta.lazy import public_names
 
 if TYPE_CHECKING:
+    from furuta.limit_cycles.joint import JointCycle as JointCycle
+    from furuta.limit_cycles.periodic_orbit import LimitCycle as LimitCycle
     from furuta.results.cycles import Branch as Branch
     from furuta.results.cycles import CycleMap as CycleMap
-    from furuta.results.cycles import JointCycle as JointCycle
-    from furuta.results.cycles import LimitCycle as LimitCycle
     from furuta.results.cycles import Prediction as Prediction
     from furuta.results.files import Files as Files
     from furuta.results.identified import AxisFit as AxisFit

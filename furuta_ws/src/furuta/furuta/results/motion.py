@@ -13,7 +13,7 @@ from furuta.outcomes import Outcome as Measured
 from furuta.outcomes import outcome_of
 from furuta.results.result import Found
 from furuta.results.table import Series
-from furuta.results.text import angle
+from furuta.results.text import swing_sentence
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.series_columns import MEASURED, known, series_of
 from furuta_recordings.table_files import write_npz
@@ -21,17 +21,6 @@ from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Loop, Record
 
 NO_MEANING = "The other values mean nothing."
-
-
-def swing_sentence(peak_to_peak: float, period: float, stuck: float) -> str:
-    """How the arm swings: peak to peak [rad], period [s], part of the time in which it sticks.
-
-    NaN is none.
-    """
-    if np.isnan(period):
-        return f"The arm moves by {angle(peak_to_peak)}, without a period."
-    sticks = f"; it sticks {100 * stuck:.0f} % of the time" if stuck > 0.0 else ""
-    return f"The arm swings by {angle(peak_to_peak)} every {period:.3g} s{sticks}."
 
 
 class Outcome(Found):

@@ -8,14 +8,17 @@ from typing import Any
 
 
 def plain(value: Any) -> Any:
-    """The value without numpy and named tuples; a complex number as real and imaginary part.
+    """The value without numpy, named tuples and results.
 
-    None is what JSON does not have: NaN and infinity.
+    A complex number is its real and imaginary part. None is what JSON does not have: NaN and
+    infinity.
     """
     if hasattr(value, "tolist"):  # of numpy, which help does not load
         value = value.tolist()
     if hasattr(value, "_asdict"):
         value = value._asdict()
+    elif hasattr(value, "to_dict"):
+        value = value.to_dict()
     if isinstance(value, complex):
         value = [value.real, value.imag]
     if isinstance(value, Mapping):

@@ -25,8 +25,9 @@ class Result:
 
     def _by_name(self) -> dict[str, Any]:
         """Everything by name."""
-        own = [field.name for field in fields(self) if field.repr] if is_dataclass(self) else []
-        return {name: getattr(self, name) for name in (*own, *self.also)}
+        own = fields(self) if is_dataclass(self) else ()
+        names = (*(field.name for field in own if field.repr), *self.also)
+        return {name: getattr(self, name) for name in names}
 
     def to_dict(self) -> dict[str, Any]:
         """Everything by name, as numbers, text, lists and dictionaries; None for no finite value.

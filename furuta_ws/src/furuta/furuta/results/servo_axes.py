@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller, servo_joint
+from furuta.axis.axis import Axis, Controller
 from furuta.axis.compensations import SHORTEST, AxisComparison, Residual
 from furuta.axis.draws import Consequences, left_out
 from furuta.axis.quiet_gains import COUNTS, HUNTING, QuietGains, gain_rows, stable_gains
 from furuta.axis.simulation import AxisRecord, simulate_axis
-from furuta.limit_cycles.joint import trace_joint
-from furuta.results.cycles import JointCycle, joint_sentence
+from furuta.limit_cycles.joint import JointCycle
 from furuta.results.identified import AxisFit
 from furuta.results.result import Found
 from furuta.results.table import Table
@@ -150,7 +149,7 @@ class AxisStudy(Found):
 
     def _sentences(self) -> Iterable[str]:
         cycle = self.cycle
-        yield joint_sentence(cycle.found, self.size(cycle.peak_to_peak), "The axis")
+        yield cycle.sentence(self.size(cycle.peak_to_peak), "The axis")
         if cycle.kind == "unbounded":
             stable = stable_gains(self.axis, self.controller)
             gains = ", or ".join(f"{name} {value:g}" for name, value in stable.items())
@@ -246,9 +245,8 @@ class AxisStudy(Found):
         if self.cycle.kind == "unbounded":
             raise ParameterError(f"an unbounded motion has no figure. {self.sentence()}")
         if self.cycle.kind == "limit_cycle" and np.isfinite(self.cycle.period_s):
-            loop = servo_joint(self.axis, self.controller, self.speed)
-            motion = trace_joint(loop, self.cycle.found)
-        title = joint_sentence(self.cycle.found, self.size(self.cycle.peak_to_peak), "The axis")
+            motion = self.cycle.trace()
+        title = self.cycle.sentence(self.size(self.cycle.peak_to_peak), "The axis")
         shown = None if fit is None else (axis_friction(fit.found), axis_followed(fit.found))
         return draw_axis(motion, self.runs(), units, title, shown, axes)
 

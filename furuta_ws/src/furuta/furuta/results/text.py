@@ -32,6 +32,17 @@ def angle(radians: float) -> str:
     return f"{radians:.3g} rad ({math.degrees(radians):.3g}°)"
 
 
+def swing_sentence(peak_to_peak: float, period: float, stuck: float) -> str:
+    """How the arm swings: peak to peak [rad], period [s], part of the time in which it sticks.
+
+    NaN is none.
+    """
+    if math.isnan(period):
+        return f"The arm moves by {angle(peak_to_peak)}, without a period."
+    sticks = f"; it sticks {100 * stuck:.0f} % of the time" if stuck > 0.0 else ""
+    return f"The arm swings by {angle(peak_to_peak)} every {period:.3g} s{sticks}."
+
+
 def values_text(values: Mapping[str, Any], indent: str = "") -> str:
     """The values, a line each, without those that are not known; lists of rows as tables.
 
