@@ -33,7 +33,7 @@ def loops(count: int) -> list[Loop]:
 
 def bits(outcomes: Iterator[Outcome] | list[Outcome]) -> list[bytes]:
     """Outcomes to the last bit, with NaN."""
-    return [np.array(each, dtype=float).tobytes() for each in outcomes]
+    return [np.array([*vars(each).values()], dtype=float).tobytes() for each in outcomes]
 
 
 def test_outcomes_depend_on_their_own_parameters_alone() -> None:

@@ -33,7 +33,7 @@ SECONDS = 2.0
 
 def bits(found: list[Outcome]) -> list[bytes]:
     """Outcomes to the last bit, with NaN."""
-    return [np.array(each, dtype=float).tobytes() for each in found]
+    return [np.array([*vars(each).values()], dtype=float).tobytes() for each in found]
 
 
 def random_block(r: np.random.Generator, kind: tuple[str, str, str, bool]) -> list[Loop]:

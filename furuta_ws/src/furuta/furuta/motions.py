@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from furuta.loops import Part, checked_loop, with_parts
-from furuta.outcomes import outcome
-from furuta.results.motion import Outcome, Run
+from furuta.outcomes import Outcome, outcome
+from furuta.results.motion import Run
 from furuta.studies.tuning_plan import TuningPlan
 from furuta_model.parameters import ParameterError
 from furuta_model.progress import Progress, unseen
@@ -48,7 +48,7 @@ def simulate(
     check_seconds(seconds)
     simulated = with_parts(loop, **parts)
     try:
-        return Run(closed_loop.simulate(simulated, seconds, progress), simulated)
+        return Run(*closed_loop.simulate(simulated, seconds, progress), simulated)
     except MemoryError:
         reason = f"the series of {seconds:g} s do not fit into memory; measure() keeps none"
         raise ParameterError(reason) from None
@@ -76,7 +76,7 @@ def measure(
     check_seconds(seconds)
     if not 0.0 < settled <= 1.0:
         raise ParameterError(f"settled must be above 0 and at most 1, given {settled:g}")
-    return Outcome(outcome(with_parts(loop, **parts), seconds, settled))
+    return outcome(with_parts(loop, **parts), seconds, settled)
 
 
 def tune(

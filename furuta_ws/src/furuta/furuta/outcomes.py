@@ -6,7 +6,7 @@ A run of any length needs the series of a part and one small memory, :class:`Sum
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +16,8 @@ from furuta.oscillation import (
     accumulate_midpoint,
     oscillation,
 )
+from furuta.results.result import Result
+from furuta.results.text import swing_sentence
 from furuta_control.excitation import ExcitationParameters
 from furuta_model.block import new_memory
 from furuta_model.compiled import compiled, inlined
@@ -27,6 +29,7 @@ from furuta_sim.simulation.closed_loop import Loop, Record, Simulation
 
 # Fraction of a run that is measured: the last half, after the transients.
 SETTLED = 0.5
+NO_MEANING = "The other values mean nothing."
 # Samples that are kept at a time.
 PART = 10_000
 # Duration of a run that shows the swing caused by the sensors [s].
@@ -56,8 +59,9 @@ class Sums:
     fell: bool = False
 
 
-class Outcome(NamedTuple):
-    """Result of a run over its settled part; ``fell`` refers to the whole run.
+@dataclass(frozen=True, repr=False)
+class Outcome(Result):
+    """What was measured of a run in its settled part; ``fell`` refers to the whole run.
 
     ``period_s`` is the mean time between upward crossings of the midpoint, NaN without an
     oscillation. The midpoint is that of the motion in the second half of the transient part.
@@ -65,6 +69,8 @@ class Outcome(NamedTuple):
     zero: arm angle [rad], command [V], its change from sample to sample, its part above 50 Hz
     (first-order filter), error of the friction estimate F − F̂ [V].
     """
+
+    details = frozenset({"steps"})
 
     phi_peak_to_peak_rad: float
     theta_peak_to_peak_rad: float
@@ -77,6 +83,12 @@ class Outcome(NamedTuple):
     friction_error_rms_v: float
     fell: bool
     steps: int
+
+    def sentence(self) -> str:
+        """How the arm swings."""
+        if self.fell:
+            return f"The pendulum fell. {NO_MEANING}"
+        return swing_sentence(self.phi_peak_to_peak_rad, self.period_s, self.stuck_fraction)
 
 
 def outcome(loop: Loop, seconds: float, settled: float = SETTLED) -> Outcome:

@@ -8,6 +8,7 @@ from furuta.lazy import public_names
 if TYPE_CHECKING:
     from furuta.limit_cycles.joint import JointCycle as JointCycle
     from furuta.limit_cycles.periodic_orbit import LimitCycle as LimitCycle
+    from furuta.outcomes import Outcome as Outcome
     from furuta.results.cycles import Branch as Branch
     from furuta.results.cycles import CycleMap as CycleMap
     from furuta.results.cycles import Prediction as Prediction
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from furuta.results.identified import AxisFits as AxisFits
     from furuta.results.identified import JointFit as JointFit
     from furuta.results.linear import LinearModel as LinearModel
-    from furuta.results.motion import Outcome as Outcome
     from furuta.results.motion import Run as Run
     from furuta.results.result import Result as Result
     from furuta.results.rig_friction import MeasuredFriction as MeasuredFriction

@@ -1,7 +1,8 @@
-"""Simulated runs and what is measured of them."""
+"""Simulated runs."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -9,39 +10,18 @@ from typing import Any
 import numpy as np
 
 from furuta.oscillation import Oscillation, has_fallen
-from furuta.outcomes import Outcome as Measured
-from furuta.outcomes import outcome_of
-from furuta.results.result import Found
+from furuta.outcomes import NO_MEANING, Outcome, outcome_of
+from furuta.results.result import Result
 from furuta.results.table import Series
-from furuta.results.text import swing_sentence
 from furuta_model.state import RIGID_STATES
 from furuta_recordings.series_columns import MEASURED, known, series_of
 from furuta_recordings.table_files import write_npz
 from furuta_ros.whole_files import whole_file
 from furuta_sim.simulation.closed_loop import Loop, Record
 
-NO_MEANING = "The other values mean nothing."
 
-
-class Outcome(Found):
-    """What was measured of a run in its settled part; ``fell`` refers to the whole run.
-
-    Fields: ``phi_peak_to_peak_rad``, ``theta_peak_to_peak_rad``, ``period_s`` (NaN without one),
-    ``stuck_fraction`` (NaN without friction), ``phi_rms_rad``, ``command_rms_v``,
-    ``command_step_v``, ``command_high_frequency_v``, ``friction_error_rms_v``, ``fell``, ``steps``.
-    """
-
-    found: Measured
-    details = frozenset({"steps"})
-
-    def sentence(self) -> str:
-        """How the arm swings."""
-        if self.found.fell:
-            return f"The pendulum fell. {NO_MEANING}"
-        return swing_sentence(*self.found[:1], *self.found[2:4])
-
-
-class Run(Found):
+@dataclass(frozen=True, repr=False, eq=False)
+class Run(Result):
     """Series of a simulation, one row per sample of ``sample_time`` [s].
 
     Fields: ``time`` (n,) [s], ``state`` (n, 4) true x, ``estimate`` (n, 5) of x, then the torque as
@@ -49,24 +29,37 @@ class Run(Found):
     u [V], ``measurement`` (n, 5) of x, NaN where there is no sensor, and of the torque applied [V].
     """
 
-    found: Record
-    details = frozenset({*Measured._fields} - {*Oscillation._fields, "fell"})
+    details = frozenset({each.name for each in fields(Outcome)} - {*Oscillation._fields, "fell"})
 
-    def __init__(self, found: Record, loop: Loop) -> None:
-        super().__init__(found)
-        self.loop = loop
+    sample_time: float
+    state: np.ndarray
+    estimate: np.ndarray
+    friction: np.ndarray
+    friction_estimate: np.ndarray
+    command: np.ndarray
+    measurement: np.ndarray
+    loop: Loop
+
+    @property
+    def record(self) -> Record:
+        """The series as compiled code takes them."""
+        return Record(*(getattr(self, name) for name in Record._fields))
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time of each sample (n,) [s]."""
+        return self.record.time
 
     @cached_property
     def outcome(self) -> Outcome:
         """What :func:`furuta.measure` returns of the same run."""
-        record = self.found
-        return Outcome(outcome_of([record], self.loop.plant, len(record.command)))
+        return outcome_of([self.record], self.loop.plant, len(self.command))
 
     @cached_property
     def fell_at(self) -> float:
         """When the pendulum was first below the horizontal [s]; NaN if never."""
-        below = np.flatnonzero(has_fallen(self.found.state))
-        return float(below[0]) * self.found.sample_time if len(below) else float("nan")
+        below = np.flatnonzero(has_fallen(self.state))
+        return float(below[0]) * self.sample_time if len(below) else float("nan")
 
     def _by_name(self) -> dict[str, Any]:
         """What is measured in the second half, and whether the pendulum fell in the whole run."""
@@ -87,7 +80,7 @@ class Run(Found):
 
     def series(self) -> Series:
         """The series as columns (n,), each with its unit in its name."""
-        return simulated_series(self.found)
+        return simulated_series(self.record)
 
     def write(self, path: str | Path) -> None:
         """Write the series; the suffix determines the format.
@@ -103,10 +96,10 @@ class Run(Found):
         if path.suffix.lower() != ".npz":
             self.series().write(path)
             return
-        record, drive = self.found, np.array(self.loop.plant.actuator)
-        fields = {name: each for name, each in record._asdict().items() if name != "sample_time"}
+        drive, (_, *series) = np.array(self.loop.plant.actuator), self.record
+        named = dict(zip(Record._fields[1:], series, strict=True))
         with whole_file(path) as new:
-            write_npz(new, {"time": record.time, "drive": drive, **fields})
+            write_npz(new, {"time": self.time, "drive": drive, **named})
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the series over time; see :meth:`Result.plot`."""

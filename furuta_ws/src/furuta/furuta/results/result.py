@@ -25,7 +25,7 @@ class Result:
 
     def _by_name(self) -> dict[str, Any]:
         """Everything by name."""
-        own = fields(self) if is_dataclass(self) else ()
+        own: tuple[Any, ...] = fields(self) if is_dataclass(self) else ()
         names = (*(field.name for field in own if field.repr), *self.also)
         return {name: getattr(self, name) for name in names}
 

@@ -6,10 +6,11 @@ when it is complete.
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import fields
 from itertools import chain
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,7 @@ SIZE = "phi_peak_to_peak_rad"
 # Rows that are remembered to be shown.
 FIRST = 10
 # Columns of a run beside its parameters; they are empty if the parameters are impossible.
-OUTCOME: dict[str, type] = {**get_type_hints(Outcome), "error": str}
+OUTCOME: dict[str, Any] = {**{each.name: each.type for each in fields(Outcome)}, "error": str}
 
 
 def check_table(out: Path) -> None:

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable, Iterator
+from dataclasses import fields
 from functools import partial
 from itertools import islice, product
 from math import prod
@@ -22,7 +23,7 @@ MAX_POINTS = 10_000_000
 RUNS_PER_TASK, TASKS = 8, 1000
 # Attempts at a task that fails, and longest wait for the scheduler's answer [s].
 RETRIES, CONNECT_TIMEOUT = 3, 5.0
-NO_OUTCOME = dict.fromkeys(Outcome._fields)
+NO_OUTCOME = dict.fromkeys(each.name for each in fields(Outcome))
 
 # Values of the swept parameters in one run, by name.
 Point = dict[str, Any]
@@ -108,7 +109,7 @@ def run(sweep: Sweep, simulate: Simulate = batch) -> Iterator[Result]:
     for outcome in simulate(possible_loops(), sweep.seconds):
         while isinstance(reason := waiting.popleft(), str):
             yield {**NO_OUTCOME, "error": reason}
-        yield {**outcome._asdict(), "error": ""}
+        yield {**vars(outcome), "error": ""}
     yield from ({**NO_OUTCOME, "error": str(reason)} for reason in waiting)
 
 

@@ -96,7 +96,7 @@ class Comparison:
                 )
             )
             if row := waiting.popleft():
-                yield row | run._asdict()
+                yield row | vars(run)
         if not self._simulated:
             raise ParameterError(f"no rig is possible: {next(iter(self.impossible.values()))}")
 
