@@ -19,7 +19,6 @@ from furuta.axis.quiet_gains import gain_rows, quiet_gains, stable_gains
 from furuta.limit_cycles.joint import JointCycle
 from furuta.results.rig_friction import MeasuredFriction
 from furuta_friction.compensation import COMPENSATIONS
-from furuta_hw.commissioning.friction import FrictionLevels
 from furuta_ros.parameter_files import read_sections
 
 FRICTION = furuta.Friction(alpha0=0.1, alpha1=0.1, stribeck_velocity=0.1, viscous=0.005)
@@ -378,7 +377,7 @@ def test_unstable_gains_say_which_gain_would_be_stable() -> None:
 
 def test_measured_friction_of_a_rig_is_drawn() -> None:
     """Its levels by direction, of which the parameters of the law follow."""
-    found = MeasuredFriction(FrictionLevels(0.21, 0.19, 0.25, 0.24, 0.012))
+    found = MeasuredFriction(0.21, 0.19, 0.25, 0.24, 0.012)
     assert found.to_dict()["alpha0"] == pytest.approx(0.2)
     assert found.to_dict()["units"]["viscous"] == "V s/rad"
     axis = found.plot()

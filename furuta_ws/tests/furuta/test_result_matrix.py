@@ -20,7 +20,6 @@ import pytest
 import furuta
 from furuta import results
 from furuta.results.text import WIDTH
-from furuta_hw.commissioning.friction import FrictionLevels
 from furuta_model.friction.names import LAWS
 
 FOLDER = TemporaryDirectory()
@@ -174,8 +173,7 @@ multisine = {"excitation.kind": "multisine", "excitation.amplitude": 1.0}
 add("identify: driven", False, of_pendulum, **multisine)
 hanging = {"enabled": False, "initial.theta": 2.8, "potentiometer_range": 6.2}
 add("identify: free", False, of_pendulum, driven=False, **hanging)
-levels = FrictionLevels(0.2, 0.2, 0.3, 0.3, 0.0)
-add("MeasuredFriction: levels", True, results.MeasuredFriction, levels)
+add("MeasuredFriction: levels", True, results.MeasuredFriction, 0.2, 0.2, 0.3, 0.3, 0.0)
 for each, (axis, gains, speed) in AXES.items():
     few, run = each in ("hunts", "unbounded"), partial(furuta.simulate_axis, axis, gains)
     study = partial(furuta.study_axis, axis, gains, speed=speed)

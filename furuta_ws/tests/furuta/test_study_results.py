@@ -11,7 +11,7 @@ import furuta
 from furuta.results.studies import Comparison, SwingUp
 from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.comparison import Table
-from furuta.studies.swing_up import Knocks, SwingUpRun
+from furuta.studies.swing_up import Knocks, SwingUpRun, starts_summary
 
 mpl.use("Agg")
 COUNT = 0.025
@@ -105,7 +105,7 @@ def test_swing_ups_are_counted_and_drawn() -> None:
     theta = np.linspace(np.pi, 0.0, 10)
     runs = [SwingUpRun(t, t > 3, 0.5, 0.6, theta) for t in (2.0, 4.0)]
     runs.append(SwingUpRun(float("nan"), False, 0.9, 1.0, np.empty(0)))
-    found = SwingUp(runs, Knocks(5, 4, 3, 50.0))
+    found = SwingUp(**vars(starts_summary(runs)), runs=runs, knocks=Knocks(5, 4, 3, 50.0))
     assert found.sentence() == (
         "2 of 3 starts are upright within 10 s, half of them within 3 s; 1 beyond a limit. "
         "After 5 pushes the pendulum fell 4 times and swung up 3 times."

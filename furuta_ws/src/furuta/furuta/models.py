@@ -13,7 +13,7 @@ from furuta.loops import checked_loop, ideal_loop
 from furuta.margins import margins
 from furuta.outcomes import sensors_alone
 from furuta.passivity import observer_passivity
-from furuta.results.linear import Linear, LinearModel
+from furuta.results.linear import LinearModel
 from furuta.transfer import FIGURE_4, checked_feedback
 from furuta_model.friction import laws
 from furuta_model.friction.parameters import Friction
@@ -109,7 +109,7 @@ def linear_model(
         if passivity:
             condition = observer_passivity(ideal, loop.observer.observer_gain)
     sensed = loop._replace(controller=controller._replace(gain=tuple(gain.tolist())))
-    found = Linear(
+    return LinearModel(
         model,
         a,
         b,
@@ -121,8 +121,8 @@ def linear_model(
         condition,
         loop.observer.observer_gain,
         (loop.observer.friction, model) == (loop.plant.friction.parameters, loop.plant.model),
+        cases,
     )
-    return LinearModel(found, cases)
 
 
 def place_poles(pendulum: FurutaPendulum, poles: DesiredPoles) -> np.ndarray:

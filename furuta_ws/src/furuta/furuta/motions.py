@@ -111,7 +111,8 @@ def tune(
 
     check_seconds(seconds)
     plan = TuningPlan(seconds, arm_guard, pendulum_guard, enough)
-    return Tuning(tune_simulated(checked_loop(loop), plan, report or (lambda text, time: None)))
+    found = tune_simulated(checked_loop(loop), plan, report or (lambda text, time: None))
+    return Tuning(**vars(found))
 
 
 def check_seconds(seconds: float) -> None:

@@ -306,4 +306,5 @@ def swing_up(
     nominal = loop_from(study.swing_up_settings(find_rig(str(rig))), values, files)
     runs = study.run_starts(study.random_starts(nominal, starts, seed))
     pushed = study.run_knocks(nominal) if knocks else None
-    return SwingUp(list(progress(runs, starts)), pushed)
+    done = list(progress(runs, starts))
+    return SwingUp(**vars(study.starts_summary(done)), runs=done, knocks=pushed)

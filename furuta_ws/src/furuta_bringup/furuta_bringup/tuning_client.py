@@ -119,6 +119,7 @@ def tune_running(
         services, estimates = ParameterClient(node, executor), EstimateBuffer(node)
         client = TuningClient(services, estimates, executor, StopSignal())
         try:
-            return Tuning(tune(client, client.compensation, plan, report, follow))
+            found = tune(client, client.compensation, plan, report, follow)
+            return Tuning(**vars(found))
         except TuningInterruptedError:
             raise UserError("interrupted; the initial parameters are restored") from None

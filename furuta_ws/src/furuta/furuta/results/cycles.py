@@ -21,7 +21,7 @@ from furuta_model.parameters import ParameterError
 
 
 @dataclass(frozen=True, repr=False)
-class Prediction(predicted_cycles.Prediction, Result):
+class Prediction(Result, predicted_cycles.Prediction):
     """Limit cycles that the describing function predicts.
 
     Fields: ``cycles`` in order of amplitude, each with ``omega_rad_s``,

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from furuta.results.result import Result
 
 
+@dataclass(frozen=True, repr=False)
 class Files(Result):
     """Files that were written: their paths, and their size together."""
 
-    def __init__(self, files: list[Path]) -> None:
-        self.files = files
+    files: list[Path]
 
     def _by_name(self) -> dict[str, Any]:
         """The ``files``, and their size in ``bytes``."""

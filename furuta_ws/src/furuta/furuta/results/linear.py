@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from furuta.limit_cycles.pendulum_loop import IdealLoop
 from furuta.margins import Margins
 from furuta.passivity import Passivity
-from furuta.results.result import Found
+from furuta.results.result import Result
 from furuta.results.text import angle
 from furuta.transfer import transfer
 from furuta_model.pendulum import FurutaPendulum
 
 
-class Linear(NamedTuple):
-    """What is computed of the controller's model with its feedback.
+@dataclass(frozen=True, repr=False, eq=False)
+class LinearModel(Result):
+    """The linear model, eqs. (2), (3), of the controller, its gain, eq. (7), poles and margins.
 
-    ``margins`` and ``sensors_alone_rad`` are None if the loop is unstable. ``gain`` is K [1/s] of
-    the friction observer, and ``exact_model`` whether observer and controller know the plant.
+    Fields: ``model``, ``A`` (4, 4), ``B`` (4,), ``L`` (4,) of u = −Lx, ``open_loop_poles`` and
+    ``closed_loop_poles`` (4,) [1/s]; ``margins`` (gain_low, gain_high, phase_rad, delay_s, disk) if
+    the friction is compensated exactly, and ``sensors_alone_rad``, the swing of the arm that the
+    sensors cause without friction, both None if the loop is unstable; ``passivity`` if it was asked
+    for, with ``observer_gain`` K [1/s] of the friction observer, and ``exact_model``, whether
+    observer and controller know the plant.
+
+    Attributes:
+        cases: Loops whose Nyquist curves are part of the result, by name.
     """
+
+    details = frozenset({"alpha", "beta", "gamma", "delta", "nyquist"})
 
     model: FurutaPendulum
     A: np.ndarray
@@ -34,42 +44,22 @@ class Linear(NamedTuple):
     passivity: Passivity | None
     observer_gain: float
     exact_model: bool
-
-
-class LinearModel(Found):
-    """The linear model, eqs. (2), (3), of the controller, its gain, eq. (7), poles and margins.
-
-    Fields: ``A`` (4, 4), ``B`` (4,), ``L`` (4,) of u = −Lx, ``open_loop_poles`` and
-    ``closed_loop_poles`` (4,) [1/s]; ``margins`` (gain_low, gain_high, phase_rad, delay_s, disk) if
-    the friction is compensated exactly; ``sensors_alone_rad``, the swing of the arm that the
-    sensors cause without friction; ``passivity`` if it was asked for.
-
-    Attributes:
-        cases: Loops whose Nyquist curves are part of the result, by name.
-    """
-
-    found: Linear
-    details = frozenset({"alpha", "beta", "gamma", "delta", "nyquist"})
-
-    def __init__(self, found: Linear, cases: Mapping[str, IdealLoop]) -> None:
-        super().__init__(found)
-        self.cases = dict(cases)
+    cases: dict[str, IdealLoop]
 
     def _by_name(self) -> dict[str, Any]:
         """Everything by name, poles as real and imaginary part."""
-        found = self.found
         values = {
-            **found.model._asdict(),
-            "A": found.A,
-            "B": found.B,
-            "open_loop_poles": found.open_loop_poles.astype(complex),
-            "L": found.L,
-            "closed_loop_poles": found.closed_loop_poles.astype(complex),
+            **self.model._asdict(),
+            "A": self.A,
+            "B": self.B,
+            "open_loop_poles": self.open_loop_poles.astype(complex),
+            "L": self.L,
+            "closed_loop_poles": self.closed_loop_poles.astype(complex),
         }
-        if found.margins is not None:
+        if self.margins is not None:
             values |= {
-                "margins": found.margins._asdict(),
-                "sensors_alone_rad": found.sensors_alone_rad,
+                "margins": self.margins._asdict(),
+                "sensors_alone_rad": self.sensors_alone_rad,
             }
         return values | self._nyquist() | self._passivity()
 
@@ -97,16 +87,15 @@ class LinearModel(Found):
         }
 
     def _passivity(self) -> dict[str, Any]:
-        found = self.found
-        if found.passivity is None:
+        if self.passivity is None:
             return {}
-        about = {"K": found.observer_gain, "exact_model": found.exact_model}
-        passivity = {**found.passivity._asdict(), **about}
-        return {"passive": found.passivity.satisfied, "passivity": passivity}
+        about = {"K": self.observer_gain, "exact_model": self.exact_model}
+        passivity = {**self.passivity._asdict(), **about}
+        return {"passive": self.passivity.satisfied, "passivity": passivity}
 
     def sentence(self) -> str:
         """Whether the loop is stable, what it bears, and what the sensors alone cause."""
-        margins, swing = self.found.margins, self.found.sensors_alone_rad
+        margins, swing = self.margins, self.sensors_alone_rad
         if margins is None or swing is None:
             return "Without friction the loop is unstable."
         torque = f"{margins.gain_low:.3g} to {margins.gain_high:.3g} times its torque"

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from furuta.results.result import Found, Result
+from furuta.results.result import Result
 from furuta.results.table import Table
 from furuta.results.text import angle, table_text, values_text
 from furuta.studies import trials
@@ -17,7 +19,7 @@ from furuta.studies.comparison.candidates import Candidate
 from furuta.studies.comparison.scores import rank, recommended
 from furuta.studies.phases import Phase, evaluate
 from furuta.studies.study_tables import SIZE, Passed, columns
-from furuta.studies.swing_up import DEADLINE, Knocks, SwingUpRun, starts_summary
+from furuta.studies.swing_up import DEADLINE, Knocks, StartResults, SwingUpRun
 from furuta_model.parameters import ParameterError
 from furuta_recordings.bags.recorded_loop import RecordedRun
 
@@ -222,7 +224,8 @@ class Comparison(Table):
         return draw_comparison(self.found, list(self["candidate"]), self.encoder_count, axes)
 
 
-class SwingUp(Found):
+@dataclass(frozen=True, repr=False, eq=False)
+class SwingUp(Result, StartResults):
     """Swing-ups from random states, on plants that differ from the model.
 
     Fields: number of ``starts``, ``upright`` by the deadline, ``beyond_limits``; median and worst
@@ -235,9 +238,8 @@ class SwingUp(Found):
         knocks: Pushes, falls, swing-ups after them, and time upright of a run of 60 s; or None.
     """
 
-    def __init__(self, runs: Sequence[SwingUpRun], knocks: Knocks | None = None) -> None:
-        super().__init__(starts_summary(runs))
-        self.runs, self.knocks = list(runs), knocks
+    runs: list[SwingUpRun] = field(repr=False)
+    knocks: Knocks | None = field(default=None, repr=False)
 
     def _by_name(self) -> dict[str, Any]:
         """The fields, and those of the knocks."""
@@ -245,11 +247,11 @@ class SwingUp(Found):
 
     def sentence(self) -> str:
         """How many starts are upright in time, and whether the limits were kept."""
-        found, knocks = self.found, self.knocks
-        limits = f"{found.beyond_limits or 'none'} beyond a limit"
-        text = f"{found.upright} of {found.starts} starts are upright within {DEADLINE:g} s"
-        if found.upright:
-            text += f", half of them within {found.median_s:.3g} s"
+        knocks = self.knocks
+        limits = f"{self.beyond_limits or 'none'} beyond a limit"
+        text = f"{self.upright} of {self.starts} starts are upright within {DEADLINE:g} s"
+        if self.upright:
+            text += f", half of them within {self.median_s:.3g} s"
         text = f"{text}; {limits}."
         if knocks:
             text += (
@@ -265,7 +267,8 @@ class SwingUp(Found):
         return draw_swing_up(self.runs, axes)
 
 
-class Tuning(Found):
+@dataclass(frozen=True, repr=False)
+class Tuning(Result, trials.TuningResult):
     """A tuning by the arm's swing.
 
     Fields: the trials ``before`` and ``after``, each with its ``compensation`` (parameters of
@@ -274,25 +277,22 @@ class Tuning(Found):
     ``seconds``; and ``encoder_count`` [rad].
     """
 
-    found: trials.TuningResult
-
     def _by_name(self) -> dict[str, Any]:
         """Changed parameters by node, and all trials."""
-        found = self.found
         return {
-            "parameters": found.parameters,
-            "before": _trial(found.before),
-            "after": _trial(found.after),
-            "trials": [_trial(each) for each in found.trials],
-            "gain": found.gain,
-            "pendulum_seconds": found.seconds,
+            "parameters": self.parameters,
+            "before": _trial(self.before),
+            "after": _trial(self.after),
+            "trials": [_trial(each) for each in self.trials],
+            "gain": self.gain,
+            "pendulum_seconds": self.seconds,
         }
 
     def sentence(self) -> str:
         """How far the arm swings after and before."""
-        before, after = self.found.before, self.found.after
-        count = f"One count of its encoder is {angle(self.found.encoder_count)}."
-        if self.found.gain:
+        before, after = self.before, self.after
+        count = f"One count of its encoder is {angle(self.encoder_count)}."
+        if self.gain:
             was = f" instead of {angle(before.swing)}" if np.isfinite(before.swing) else ""
             return f"The arm swings by {angle(after.swing)}{was}. {count}"
         return (
@@ -302,8 +302,8 @@ class Tuning(Found):
 
     def table(self, values: Mapping[str, Any]) -> str:
         """The parameters that changed, and the trials."""
-        after = self.found.after.compensation
-        old = self.found.before.compensation.changes(after)
+        after = self.after.compensation
+        old = self.before.compensation.changes(after)
         changed = [
             {"parameter": f"{node}.{name}", "before": old[node][name], "after": value}
             for node, of in values["parameters"].items()
@@ -313,9 +313,9 @@ class Tuning(Found):
             {
                 "trial": each.title,
                 SIZE: each.swing,
-                "remark": "result" if each == self.found.after else each.remark,
+                "remark": "result" if each == self.after else each.remark,
             }
-            for each in self.found.trials
+            for each in self.trials
         ]
         headings = {"trial": "trial", SIZE: "arm [rad]", "remark": "remark"}
         tables = [table_text(changed)] if changed else []
@@ -325,7 +325,7 @@ class Tuning(Found):
         """Draw the arm's swing of each trial; see :meth:`Result.plot`."""
         from furuta.figures.tuning import draw_tuning
 
-        return draw_tuning(self.found, axes)
+        return draw_tuning(self, axes)
 
 
 def _trial(trial: trials.Trial) -> dict[str, Any]:
@@ -338,6 +338,7 @@ def _trial(trial: trials.Trial) -> dict[str, Any]:
     }
 
 
+@dataclass(frozen=True, repr=False, eq=False)
 class Demo(Result):
     """The recorded demo: phases with one compensation each, as ``rows`` of what is measured.
 
@@ -348,15 +349,15 @@ class Demo(Result):
         more: What else the dictionary has.
     """
 
-    def __init__(
-        self,
-        recorded: RecordedRun,
-        phases: list[Phase],
-        encoder_count: float,
-        more: Mapping[str, Any],
-    ) -> None:
-        self.recorded, self.phases, self.encoder_count = recorded, phases, encoder_count
-        self.rows, self.more = evaluate(phases, recorded), more
+    recorded: RecordedRun
+    phases: list[Phase]
+    encoder_count: float
+    more: Mapping[str, Any]
+
+    @cached_property
+    def rows(self) -> list[dict[str, Any]]:
+        """What is measured of each phase."""
+        return evaluate(self.phases, self.recorded)
 
     def _by_name(self) -> dict[str, Any]:
         """The ``runs``, one per phase, and what else is known."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from math import cos, pi, sqrt
 from typing import NamedTuple
 
@@ -84,7 +85,8 @@ START_SPEED = 0.95
 HOLDING_VOLTAGE = 0.7
 
 
-class StartResults(NamedTuple):
+@dataclass(frozen=True)
+class StartResults:
     """Number of starts, upright by the deadline, beyond a limit; times upright [s]."""
 
     starts: int

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import inf
 from typing import Any, NamedTuple
 
@@ -70,7 +71,8 @@ class Trial(NamedTuple):
         return f"{self.title}: {'more than ' if self.given_up else ''}{self.swing:.4f} rad"
 
 
-class TuningResult(NamedTuple):
+@dataclass(frozen=True)
+class TuningResult:
     """The motion as it was and with the result, all trials, pendulum time [s], one count of the
     encoder [rad].
     """

@@ -19,6 +19,7 @@ the best one so far, the best setting is restored and the search goes on.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import inf, sqrt
 from typing import Protocol
 
@@ -165,7 +166,7 @@ class Tuner:
                 self._search()
                 best = self._confirmed()
             result.trials.extend(self._trials)
-        return result._replace(after=best, seconds=self._elapsed)
+        return replace(result, after=best, seconds=self._elapsed)
 
     @property
     def _as_it_is(self) -> Trial:

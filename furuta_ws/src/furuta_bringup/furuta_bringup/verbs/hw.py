@@ -219,7 +219,7 @@ def friction(
             check_hanging(list(session.samples(REST_SECONDS)))
         experiment = measure_friction(session.rig, rate, tell, voltage)
         levels = session.drive(experiment, voltage, arm_range)
-    show(MeasuredFriction(levels), as_json, figure)
+    show(MeasuredFriction(**vars(levels)), as_json, figure)
 
 
 @contextmanager

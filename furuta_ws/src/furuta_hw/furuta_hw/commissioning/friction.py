@@ -1,8 +1,8 @@
 """Measures the friction of a rig: Coulomb, stiction and viscous, by direction."""
 
 from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
 from math import pi, sqrt
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,8 @@ HANGING_RANGE = 0.25 * pi
 STILL_RANGE = 0.1
 
 
-class FrictionLevels(NamedTuple):
+@dataclass(frozen=True)
+class FrictionLevels:
     """Friction levels [V] by direction, as magnitudes; ``viscous`` [V s/rad]."""
 
     coulomb_positive: float
