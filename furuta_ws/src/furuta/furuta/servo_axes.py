@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -102,13 +103,14 @@ def study_axis(
     study = Study(axis, controller, speed, loop, motions, fit)
     cycle, options = next(iter(motions.values())), dict[str, Any](speed=speed, progress=progress)
     if fit is not None:
-        study = study._replace(consequences=consequences(others, controller, **options))
+        study = replace(study, consequences=consequences(others, controller, **options))
         options |= {"by_topic": True, "largest_chatter": QUIET * fit.values.get("alpha0", 0.0)}
     if cycle.kind != "unbounded":
-        study = study._replace(
+        study = replace(
+            study,
             comparison=compare_on_axis(
                 axis, controller, cycle=cycle, others=others[:COMPARED], **loop._asdict(), **options
-            )
+            ),
         )
         may_hunt = study.consequences is not None and study.consequences.hunts_in > FEW
         if may_hunt or any(motion.kind in HUNTING for motion in motions.values()):
@@ -116,14 +118,14 @@ def study_axis(
             quiet = quiet_gains(
                 axis, controller, speed=speed, others=others, progress=progress, **loop._asdict()
             )
-            study = study._replace(quiet=quiet)
+            study = replace(study, quiet=quiet)
     if prove:
         from furuta.axis.proof import prove_cycle  # it needs python-flint
 
         if speed:
             raise ParameterError("a cycle is proved at a reference at rest only")
-        study = study._replace(proof=prove_cycle(axis, controller))
-    return AxisStudy(study)
+        study = replace(study, proof=prove_cycle(axis, controller))
+    return AxisStudy(**vars(study))
 
 
 def simulate_axis(
@@ -158,17 +160,16 @@ def simulate_axis(
     Raises:
         ParameterError: An argument is not allowed, or the loop has no poles.
     """
-    return AxisRun(
-        simulation.simulate_axis(
-            axis,
-            controller,
-            seconds=seconds,
-            reference=reference,
-            compensation=compensation,
-            model=model,
-            counts=counts,
-            sample_time=sample_time,
-            delay=delay,
-            by_topic=by_topic,
-        )
+    run = simulation.simulate_axis(
+        axis,
+        controller,
+        seconds=seconds,
+        reference=reference,
+        compensation=compensation,
+        model=model,
+        counts=counts,
+        sample_time=sample_time,
+        delay=delay,
+        by_topic=by_topic,
     )
+    return AxisRun(**vars(run))

@@ -128,7 +128,8 @@ def run_loop(
         advance(x, force, p.dt, p.substeps, p.body, law)
 
 
-class AxisRecord(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class AxisRecord:
     """Series (n,) of an axis: time [s], reference, true and measured position [rad], torque [N m].
 
     A torque is that from its sample until the next one.

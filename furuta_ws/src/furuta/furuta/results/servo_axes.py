@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -16,11 +17,10 @@ from furuta.axis.quiet_gains import COUNTS, HUNTING, QuietGains, gain_rows, stab
 from furuta.axis.simulation import AxisRecord, simulate_axis
 from furuta.limit_cycles.joint import JointCycle
 from furuta.results.identified import AxisFit
-from furuta.results.result import Found
+from furuta.results.result import Result
 from furuta.results.table import Table
 from furuta.results.text import angle, values_text
 from furuta_model.parameters import ParameterError
-from furuta_recordings.recording import Recording
 
 if TYPE_CHECKING:
     from furuta.axis.proof import Proof  # it needs python-flint
@@ -40,7 +40,8 @@ class Sampling(NamedTuple):
     delay: float
 
 
-class Study(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Study:
     """What was computed of an ``axis`` under a ``controller``, behind a ``speed`` [rad/s].
 
     ``motions`` by start, of which the first follows from rest. Of an identified axis, the ``fit``
@@ -60,10 +61,9 @@ class Study(NamedTuple):
     proof: Proof | None = None
 
 
-class AxisStudy(Found):
+@dataclass(frozen=True, repr=False, eq=False)
+class AxisStudy(Result, Study):
     """The final motions of an axis, and what helps against hunting; fields: of :class:`Study`."""
-
-    found: Study
 
     @property
     def cycle(self) -> JointCycle:
@@ -258,19 +258,18 @@ def _titled(name: str, ends: Mapping[str, str]) -> str:
     return name
 
 
-class AxisRun(Found):
+@dataclass(frozen=True, repr=False, eq=False)
+class AxisRun(Result, AxisRecord):
     """A simulated axis, one row per sample.
 
     Fields: ``time`` (n,) [s], ``reference``, true ``position``, ``measured`` position and ``error``
     (n,) [rad], ``torque`` (n,) [N m], which acts until the next sample.
     """
 
-    found: AxisRecord
-
     def _by_name(self) -> dict[str, Any]:
         """Largest error and its peak to peak in the second half, and the chatter of the torque."""
-        settled = slice(len(self.found.time) // 2, None)
-        error, steps = self.found.error[settled], np.diff(self.found.torque[settled])
+        settled = slice(len(self.time) // 2, None)
+        error, steps = self.error[settled], np.diff(self.torque[settled])
         return {
             "error_rad": float(np.max(np.abs(error))),
             "peak_to_peak_rad": float(np.ptp(error)),
@@ -285,15 +284,9 @@ class AxisRun(Found):
             f"{angle(values['peak_to_peak_rad'])} peak to peak."
         )
 
-    @property
-    def recording(self) -> Recording:
-        """What a user would have recorded, for :func:`furuta.identify_axis`."""
-        return self.found.recording
-
     def series(self) -> Table:
         """Time [s], measured position and torque as columns, for :func:`furuta.read_axis`."""
-        run = self.found
-        return Table({"time": run.time, "position": run.measured, "torque": run.torque})
+        return Table({"time": self.time, "position": self.measured, "torque": self.torque})
 
     def write(self, path: str | Path) -> None:
         """Write :meth:`series`; see :meth:`furuta.results.table.Table.write`."""
@@ -303,4 +296,4 @@ class AxisRun(Found):
         """Draw error and torque over time; see :meth:`Result.plot`."""
         from furuta.figures.servo_axis import draw_run
 
-        return draw_run(self.found, axes)
+        return draw_run(self, axes)
