@@ -9,8 +9,6 @@ import shutil
 import subprocess
 import sys
 
-import pandas
-
 import furuta
 
 bag = "output/examples/bag"
@@ -20,7 +18,7 @@ else:
     shutil.rmtree(bag, ignore_errors=True)  # of an earlier run
     options = ["--lockstep", "--seconds", "2", "--set", "compensation=lugre", "--record", bag]
     subprocess.run(["furuta", "run", *options], check=True, stdout=subprocess.DEVNULL)
-table = pandas.DataFrame(furuta.load_series(bag)).set_index("time_s")
+table = furuta.load_series(bag).to_pandas().set_index("time_s")
 print(table[["measured_phi_rad", "command_v", "friction_estimate_v"]].iloc[::400].round(3))
 
 # prints

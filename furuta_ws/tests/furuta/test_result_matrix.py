@@ -5,9 +5,12 @@ import inspect
 import json
 import pickle
 import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable, Container, Iterable
-from functools import cache, partial
+from dataclasses import fields, is_dataclass
+from functools import cache, cached_property, partial
 from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,7 +26,8 @@ from furuta.results.text import WIDTH
 from furuta_model.friction.names import LAWS
 
 FOLDER = TemporaryDirectory()
-LIBRARY = Path(__file__).resolve().parents[3] / "docs" / "library.md"
+ROOT = Path(__file__).resolve().parents[3]
+LIBRARY = ROOT / "docs" / "library.md"
 # Situations of the pendulum's loop: parameters, and seconds of a run. The first run in `make test`.
 QUICK_LOOPS: dict[str, tuple[dict[str, Any], float]] = {
     "paper": ({}, 12.0),
@@ -243,6 +247,7 @@ def can_be_copied(result: Any) -> None:
 
 def has_members(result: Any) -> None:
     """Every public name is there; what needs no argument works or is refused."""
+    assert not {"count", "index"} & {*dir(result)}
     for name in dir(result):
         if name.startswith("_") or name == "plot" or hasattr(dict, name):
             continue
@@ -255,6 +260,18 @@ def has_members(result: Any) -> None:
             is_refusal(error)
         except (TypeError, ValueError) as error:
             assert "missing a required" in str(error), f"{name}: {error}"
+
+
+def is_exported(result: Any) -> None:
+    """A table is the same elsewhere, with its units."""
+    for library in ("pandas", "xarray") if isinstance(result, results.Table) else ():
+        pytest.importorskip(library)
+        other = getattr(result, f"to_{library}")()
+        for name, values in result.items():
+            np.testing.assert_array_equal(np.asarray(other[name]), values)
+            units = other.attrs["units"] if library == "pandas" else other[name].attrs
+            of = name if library == "pandas" else "units"
+            assert units.get(of, "") == result.units.get(name, "")
 
 
 def is_drawn(result: Any) -> None:
@@ -283,7 +300,7 @@ def test_a_result_keeps_its_promises(case: str) -> None:
         except furuta.ParameterError as error:
             is_refusal(error)
         else:
-            for kept in (is_text, is_json, can_be_copied, has_members, is_drawn):
+            for kept in (is_text, is_json, can_be_copied, has_members, is_exported, is_drawn):
                 kept(result)
 
 
@@ -299,3 +316,30 @@ def test_a_quantity_is_the_same_in_every_result(name: str) -> None:
     one = run.to_dict()
     for other in (outcome.to_dict(), *swept.dictionaries(), *runs.dictionaries()):
         assert {key: other[key] for key in one} == one
+
+
+@pytest.mark.long  # mypy without its cache takes as long as a tenth of the tests
+def test_types_of_results_are_known() -> None:
+    """In a user's code every field has a type, and a misspelt one is an error."""
+    lines, wrong = ["import furuta", "from furuta import results"], []
+    for name in results.__all__:
+        kind = getattr(results, name)
+        own = [each.name for each in fields(kind)] if is_dataclass(kind) else []
+        own += [n for n, each in vars(kind).items() if isinstance(each, property | cached_property)]
+        if is_dataclass(kind) or issubclass(kind, dict):
+            lines += [f"def of_{name}(it: results.{name}) -> None:", "    it.misspelt"]
+            lines += [f"    reveal_type(it.{each})" for each in own]
+            wrong.append(f'"{name}" has no attribute "misspelt"')
+    calls = ("limit_cycle().period_s", "simulate().command", "measure().fell", "tune().before")
+    lines += [f"reveal_type(furuta.{call})" for call in calls]
+    command = [sys.executable, "-m", "mypy", "--strict", "-c", "\n".join(lines)]
+    said = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False).stdout
+    assert len(wrong) > 15 and all(each in said for each in wrong), said
+    assert f"Found {len(wrong)} errors" in said and 'type is "Any"' not in said, said
+
+
+@pytest.mark.parametrize("name", ["pandas", "xarray"])
+def test_a_library_that_is_missing_is_named(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(furuta.ParameterError, match=f"pip install {name}$"):
+        getattr(results.Table(), f"to_{name}")()

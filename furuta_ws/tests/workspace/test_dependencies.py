@@ -49,10 +49,10 @@ PIP = {
     "python3-rosbags-pip": "rosbags",
     "python3-ruff-pip": "ruff",
 }
-# rosdep has no key for these: setup.cfg declares them as extras.
+# rosdep has no key for these, or few need them: setup.cfg declares them as extras.
 WITHOUT_KEY = {
-    *("axe_playwright_python", "distributed", "flint", "gymnasium", "playwright", "pyarrow"),
-    *("unicorn", "ziglang"),
+    *("axe_playwright_python", "distributed", "flint", "gymnasium", "pandas", "playwright"),
+    *("pyarrow", "unicorn", "xarray", "ziglang"),
 }
 
 # The key of each import that has another name.

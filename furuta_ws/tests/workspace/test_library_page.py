@@ -33,7 +33,7 @@ def blocks(page: Path) -> list[str]:
     """The blocks of a page that can run here: no note and no file of another rig forbids it."""
     found = [(code, tuple(commands.NOTE.findall(n))) for n, code in BLOCK.findall(page.read_text())]
     usable = [code for code, notes in found if not commands.reason_not_to_run(code, notes)]
-    missing = [name for name in ("gymnasium", "pandas") if find_spec(name) is None]
+    missing = [name for name in ("gymnasium", "pandas", "xarray") if find_spec(name) is None]
     return [code for code in usable if not any(name in code for name in missing)]
 
 

@@ -5,24 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from furuta.results.plain import plain
 from furuta.results.result import Result
-from furuta.results.text import WIDTH, table_text
+from furuta.results.text import WIDTH, table_text, unit_of
+from furuta_model.optional import missing
+from furuta_model.parameters import ParameterError
+from furuta_recordings.series_columns import TIME
 from furuta_recordings.table_files import write_columns
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
 
 # Rows of a table that are printed.
 SHOWN = 10
 
 
 class Table(dict[str, np.ndarray], Result):
-    """Columns (n,) by name, in which NaN is no value. The name of a column ends in its unit.
-
-    ``pandas.DataFrame(table)`` makes a data frame of it.
-    """
+    """Columns (n,) by name, in which NaN is no value. The name of a column ends in its unit."""
 
     __repr__ = Result.__repr__
 
@@ -70,6 +74,43 @@ class Table(dict[str, np.ndarray], Result):
                 different lengths.
         """
         write_columns(Path(path), self)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units of the columns that have one, by the end of a name or of a parameter."""
+        from furuta.settings.parameter_names import declared_unit
+
+        return {name: unit for name in self if (unit := unit_of(name) or declared_unit(name))}
+
+    def to_pandas(self) -> DataFrame:
+        """The columns as a data frame, of which ``attrs["units"]`` is :attr:`units`.
+
+        Raises:
+            ParameterError: pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ParameterError(missing("pandas", "to_pandas")) from None
+        frame = DataFrame(dict(self))
+        frame.attrs["units"] = self.units
+        return frame
+
+    def to_xarray(self) -> Dataset:
+        """The columns as a dataset over time, or over rows if there is none.
+
+        The attribute ``units`` of a variable is its unit.
+
+        Raises:
+            ParameterError: xarray is not installed.
+        """
+        try:
+            from xarray import Dataset
+        except ImportError:
+            raise ParameterError(missing("xarray", "to_xarray")) from None
+        over, units = TIME if TIME in self else "row", self.units
+        attributes = {name: {"units": units[name]} if name in units else {} for name in self}
+        return Dataset({name: (over, self[name], attributes[name]) for name in self})
 
 
 class Series(Table):

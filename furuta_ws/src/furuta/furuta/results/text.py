@@ -142,10 +142,18 @@ def table_text(
 
 def heading(name: str) -> str:
     """The title of a column: the words of its name, and the unit in which the name ends."""
-    for end, unit in UNITS.items():
-        if name.endswith(end):
-            return f"{name.removesuffix(end).replace('_', ' ')} [{unit}]"
-    return name.replace("_", " ")
+    end = _end(name)
+    unit = f" [{UNITS[end]}]" if end else ""
+    return name.removesuffix(end).replace("_", " ") + unit
+
+
+def unit_of(name: str) -> str:
+    """The unit in which a name ends; "" is none."""
+    return UNITS.get(_end(name), "")
+
+
+def _end(name: str) -> str:
+    return next((end for end in UNITS if name.endswith(end)), "")
 
 
 def _title_lines(title: str) -> list[str]:

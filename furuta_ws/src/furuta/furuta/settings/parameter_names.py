@@ -38,6 +38,15 @@ def parameters_named(name: str) -> list[Match]:
     return matches
 
 
+def declared_unit(name: str) -> str:
+    """The unit of the parameters with a name; "" if there is none or they differ."""
+    try:
+        units = {match.parameter.about.unit for match in parameters_named(name)}
+    except ParameterError:
+        return ""
+    return units.pop() if len(units) == 1 else ""
+
+
 def parameters_in(node: str, name: str) -> list[Match]:
     """The parameter of a node by its full name; for ``/**`` that of every node that has it."""
     nodes = NODES if node == EVERY_NODE else [node]
