@@ -30,10 +30,8 @@ from logged_rigs import logged_rig
 from furuta.identification.axis.identify import identify_axis
 from furuta.identification.bodies.arm_joint import identify_arm_joint
 from furuta.identification.bodies.servo import identify_servo
-from furuta.identification.identify import identify
-from furuta.identification.options import Options
-from furuta.identification.result.values import values_by_name, verdict
-from furuta.identification.verdict import Identified
+from furuta.identification.fitted import Estimates
+from furuta.identified_models import identify
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -62,7 +60,9 @@ def recording_of(log: Logged, joint: str = "axis") -> Recording:
     return Recording(joint, log.time, measured, log.time, log.command, joint=joint)
 
 
-def _judged(seed: int, log: Logged, fit: Callable[[], Identified]) -> Judged:
+def _judged(
+    seed: int, log: Logged, fit: Callable[[], Estimates], only_true: bool = False
+) -> Judged:
     """What a fit says of a log, beside what is true."""
     begin = time.process_time()
     try:
@@ -73,6 +73,8 @@ def _judged(seed: int, log: Logged, fit: Callable[[], Identified]) -> Judged:
     spent = time.process_time() - begin
     off, invented, far = {}, [], []
     for name, error in found.standard_errors.items():
+        if only_true and name not in log.values:
+            continue
         true = log.values.get(name, 0.0)
         wrong = found.values[name] - true
         off[name] = float(wrong / error)
@@ -121,30 +123,11 @@ def logged_joint(log: Logged) -> int:
     return int(log.traits[0].removeprefix("joint "))
 
 
-class _Rig(NamedTuple):
-    """The report of a rig in the form of the others."""
-
-    values: dict[str, float]
-    standard_errors: dict[str, float]
-    verdict: object
-
-
 def rig(seed: int) -> Judged:
-    """A rig."""
+    """A rig: the values that the truth has, too."""
     log, measured = logged_rig(seed)
-
-    def fit() -> _Rig:
-        model = identify(
-            [Recording("rig", log.time, measured, log.time, log.command, in_radians=True)],
-            Options(),
-        )
-        found = values_by_name(model)
-        errors = {name: value for name, value in found["standard_errors"].items() if value}
-        errors = {k: v for k, v in errors.items() if k in log.values and found[k] is not None}
-        predictions = [model.predict(each) for each in model.recordings]
-        return _Rig(found, errors, verdict(predictions))
-
-    return _judged(seed, log, fit)  # type: ignore[arg-type]
+    recording = Recording("rig", log.time, measured, log.time, log.command, in_radians=True)
+    return _judged(seed, log, lambda: identify(recording), only_true=True)
 
 
 STUDIES: dict[str, Callable[[int], Judged]] = {

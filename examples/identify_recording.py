@@ -28,7 +28,7 @@ else:
     Series({name: series[name] for name in COLUMNS}).write(log)
     recording, zero = furuta.read_recording(log), "upright"
 
-found = furuta.identify(recording, zero=zero).to_dict()
+found = furuta.identify(recording, furuta.PendulumBody(zero=zero)).to_dict()
 for name in ("alpha", "beta", "gamma", "delta", "coulomb", "viscous"):
     print(f"{name} {found[name]:.5f} ± {found['standard_errors'][name]:.5f}")
 

@@ -52,9 +52,10 @@ def identify(bag: Path, file: Path) -> None:
     with running(*controller("excite", 65.0)):
         sleep(5.0)
         subprocess.run([sys.executable, HERE / "record.py", bag, "57"], check=True)
-    verb = [executable("furuta_bringup", "furuta"), "axis", "--identify", bag]
-    verb += ["--joint", "elbow_joint", "--pid", *map(str, PID), "--save", file]
-    subprocess.run(verb, check=True)
+    verb = executable("furuta_bringup", "furuta")
+    joint = ["--joint", "elbow_joint", "--write", file]
+    subprocess.run([verb, "identify", "--body", "axis", bag, *joint], check=True)
+    subprocess.run([verb, "axis", file, "--pid", *map(str, PID), "--write", file], check=True)
 
 
 def compensate(file: Path) -> None:

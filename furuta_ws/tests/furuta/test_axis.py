@@ -1,5 +1,6 @@
 """A servo axis: from a recording to the prediction of its hunting and to a compensation."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -44,7 +45,7 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     recorded = furuta.simulate_axis(AXIS, PID, reference=moves, counts=4096)
     recorded.write(tmp_path / "axis.csv")
 
-    fit = furuta.identify_axis(furuta.read_axis(tmp_path / "axis.csv"))
+    fit = furuta.identify(furuta.read_axis(tmp_path / "axis.csv"), "axis")
     axis = fit.axis()
     cycle = furuta.servo_cycle(axis, PID)
     study = furuta.study_axis(axis, PID)
@@ -54,7 +55,7 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     assert axis.friction.alpha1 == pytest.approx(FRICTION.alpha1, rel=0.05)
     assert fit.resolution == pytest.approx(2.0 * np.pi / 4096, rel=1e-6)
     path = tmp_path / "joint.yaml"
-    write_joint_file(path, {"left/elbow": fit.found}, PID, study.recommended)
+    write_joint_file(path, {"left/elbow": fit}, PID, study.recommended)
     written = furuta.read_joint_file(path)
     assert written.joint == "left/elbow"
     assert written.controller == PID
@@ -295,11 +296,11 @@ def test_joint_file_of_several_joints(tmp_path: Path) -> None:
     time = np.arange(0.0, 6.0, 1e-3)
     moves = 1.5 * np.sin(1.3 * time) + 0.6 * np.sin(3.7 * time)
     recorded = furuta.simulate_axis(AXIS, PID, reference=moves).recording
-    fit = furuta.identify_axis(recorded).found
-    strong = furuta.identify_axis(recorded._replace(command=100.0 * recorded.command)).found
+    fit = furuta.identify(recorded, "axis")
+    strong = furuta.identify(recorded._replace(command=100.0 * recorded.command), "axis")
     path = tmp_path / "joints.yaml"
     write_joint_file(path, {"on": fit, "2 b": strong}, PID, "coulomb")
-    assert [section.key for section in read_sections(path)][::2] == [
+    assert [section.key for section in read_sections(path)][::3] == [
         *("/on/friction_observer", "/_2_b/friction_observer"),
     ]
     write_joint_file(path, {"on": fit, "2 b": strong})
@@ -309,7 +310,7 @@ def test_joint_file_of_several_joints(tmp_path: Path) -> None:
             force = name in OF_FORCE or "gravity" in name
             assert other[name] == pytest.approx(100.0 * value if force else value, rel=1e-3), name
     assert weak["compensation"] == "recommended"
-    late = fit._replace(values=fit.values | {"delay": 0.0031})
+    late = replace(fit, values=fit.values | {"delay": 0.0031})
     given = joint_parameters(late, "on", 1e-3, PID, "coulomb")
     assert (given["compensation"], given["drive.delay"], weak["drive.delay"]) == ("coulomb", 3, 0)
 
@@ -343,7 +344,7 @@ def test_friction_under_load_is_simulated_and_identified() -> None:
     run = furuta.simulate_axis(
         axis, furuta.Pid(20.0, 10.0, 0.8), reference=moves, counts=20_000, sample_time=2e-3
     )
-    fit = furuta.identify_axis(run.recording)
+    fit = furuta.identify(run.recording, "axis")
     assert fit.values["load_friction"] == pytest.approx(0.1, abs=0.02)
 
 

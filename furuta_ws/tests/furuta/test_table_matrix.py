@@ -88,7 +88,7 @@ def identified(path: Path, columns: Columns) -> AxisFit | str:
     """The fit of a table, or why there is none, in a line."""
     Table(columns).write(path / "log.csv")
     try:
-        return furuta.identify_axis(furuta.read_axis(path / "log.csv"))
+        return furuta.identify(furuta.read_axis(path / "log.csv"), "axis")
     except furuta.ParameterError as error:
         assert "\n" not in str(error)
         return str(error)
@@ -128,7 +128,7 @@ def test_a_finer_encoder_is_no_worse(moves: str) -> None:
     """Its values are as near to the truth as it says, and it determines no less."""
     before = None
     for counts in COUNTS:
-        fit = furuta.identify_axis(run(moves, counts).recording)
+        fit = furuta.identify(run(moves, counts).recording, "axis")
         for name in fit.values.keys() & TRUE.keys():
             error = 4.0 * fit.standard_errors.get(name, 0.0) + 1e-3 * TRUE[name] + 1e-6
             assert abs(fit.values[name] - TRUE[name]) < error, (counts, name)

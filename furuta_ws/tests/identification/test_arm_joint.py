@@ -8,8 +8,9 @@ import pytest
 from true_arms import moved_arm
 
 import furuta
-from furuta.identification.bodies.arm_joint import ArmJointFit, identify_arm_joint
+from furuta.identification.bodies.arm_joint import identify_arm_joint
 from furuta.identification.bodies.linkage import link_loads, read_linkage
+from furuta.identification.fitted import Fitted
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import read_axis
 from furuta_recordings.recording import Recording
@@ -78,7 +79,7 @@ def urdf(tmp_path: Path) -> Path:
     return path
 
 
-def assert_near(fit: ArmJointFit, true: dict[str, float]) -> None:
+def assert_near(fit: Fitted, true: dict[str, float]) -> None:
     """All values lie within three standard errors of the truth."""
     off = {n: (fit.values[n] - true[n]) / fit.standard_errors[n] for n in true}
     assert all(abs(each) < 3.0 for each in off.values()), off
@@ -154,7 +155,7 @@ def test_without_geometry_friction_is_doubtful_and_wider(urdf: Path) -> None:
 def test_friction_in_proportion_to_the_load_by_gravity(tmp_path: Path) -> None:
     """It is found where the arm has it, from torques by Newton and Euler."""
     arm, _, moved = moved_arm(9, tmp_path / "arm.urdf")
-    fit = furuta.identify_arm_joint(moved.recording, moved.others, tmp_path / "arm.urdf")
+    fit = furuta.identify(moved.recording, furuta.JointBody(moved.others, tmp_path / "arm.urdf"))
     assert arm.gravity_friction > 0.0
     assert_near(
         fit, {name: moved.values[name] for name in ("gravity_friction", "alpha0", "gravity")}

@@ -1,5 +1,7 @@
 """A single axis, identified from its position and torque."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from driven_axes import driven_axis
@@ -8,8 +10,10 @@ from true_axes import TrueAxis, multisine, recorded
 
 from furuta.axis.draws import drawn_axes
 from furuta.identification.axis import effects
+from furuta.identification.axis.fit import AxisFit
 from furuta.identification.axis.friction_curve import axis_followed, axis_friction
-from furuta.identification.axis.identify import AxisFit, identify_axis
+from furuta.identification.axis.identify import identify_axis
+from furuta.identification.verdict import Verdict
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import read_axis
 from furuta_recordings.recording import Recording
@@ -117,7 +121,7 @@ def test_a_finer_encoder_tells_no_more_of_one_direction(count: float) -> None:
     time = np.arange(5000) / 500.0
     fit = identify_axis(recorded(PLAIN, 0.3 + multisine(time, 0.1), 0.002, count))
     assert fit.usable == "doubtful"
-    rounded = fit._replace(covariance=fit.covariance - 1e-7 * np.eye(len(fit.names)))
+    rounded = replace(fit, covariance=fit.covariance - 1e-7 * np.eye(len(fit.names)))
     assert len(drawn_axes(rounded, 3)) == 3
     assert {"alpha0", "offset", "asymmetry"} <= set(fit.undetermined)
     assert fit.values["inertia"] == pytest.approx(PLAIN.inertia, rel=0.01)
@@ -198,7 +202,7 @@ def test_how_friction_falls_is_open_if_the_model_leaves_more_than_noise() -> Non
     fit = identify_axis(sampled(PLAIN._replace(alpha1=0.08, stribeck_velocity=0.3), size=2.0))
     assert {"alpha1", "stribeck_velocity"} <= set(fit.values)
     laws = {
-        usable: [axis.law for axis in drawn_axes(fit._replace(usable=usable))]
+        usable: [axis.law for axis in drawn_axes(replace(fit, verdict=Verdict(usable, [])))]
         for usable in ("yes", "doubtful")
     }
     assert set(laws["yes"]) == {"stribeck"}

@@ -8,7 +8,6 @@ from scipy.integrate import solve_ivp
 
 from furuta.identification.fitting.free_swing import FreeSwing, identify_free_swing
 from furuta.identification.options import Options
-from furuta.results import rig_models as results
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording
 
@@ -64,7 +63,7 @@ def test_frequency_and_friction(found: FreeSwing) -> None:
     assert abs(omega - OMEGA) < 2.0 * error < 4e-3 * OMEGA
     assert found.values["pendulum_damping_1_s"] == pytest.approx(DAMPING, rel=0.1)
     assert found.values["pendulum_friction_rad_s2"] == pytest.approx(FRICTION, rel=0.1)
-    shown = results.FreeSwing(found).to_dict()
+    shown = found.to_dict()
     assert shown["fit"]["swing"] > 98.0
     assert shown["usable"] != "no"
 

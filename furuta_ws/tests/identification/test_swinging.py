@@ -228,7 +228,7 @@ def test_a_real_rig() -> None:
     step = RECORDINGS / "hardware_step_response_4V.csv"
     names = {"arm": "joint0", "pendulum": "joint1", "command": "effort_control"}
     driven, held_out = (furuta.read_recording(each, **names) for each in (SINE, step))
-    model = furuta.identify(driven, zero="hanging", validate=[held_out])
+    model = furuta.identify(driven, furuta.PendulumBody(zero="hanging", validate=[held_out]))
     assert isinstance(model, RigModel)
     assert model.to_dict()["natural_frequency_rad_s"] == pytest.approx(9.35, rel=0.01)
     assert model.verdict.usable == "yes"

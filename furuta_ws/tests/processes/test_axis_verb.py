@@ -23,9 +23,8 @@ def test_a_record_identifies_and_says_what_follows(answer: Any, tmp_path: Path) 
     )
     table, joints = tmp_path / "axis.csv", tmp_path / "joints.yaml"
     recorded.write(table)
-    gains = ("--pid", 1, 2, 0.08, "--save", joints)
-    result = answer("axis", "--identify", table, *gains)
-    found = result["identified"]
+    found = answer("identify", "--body", "axis", table, "--write", joints)
+    result = answer("axis", joints, "--pid", 1, 2, 0.08, "--write", joints)
     assert found["usable"] == "yes"
     assert abs(found["inertia"] - 0.01) < 3.0 * found["standard_errors"]["inertia"] + 1e-5
     assert result["kind"] == "limit_cycle"
@@ -61,14 +60,14 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_several_joints_of_a_bag(furuta: Any, robot: Path, tmp_path: Path) -> None:
     """Each is identified on its own; what is not usable is shown, and nothing is written then."""
     saved = tmp_path / "joints.yaml"
-    both = ("axis", "--identify", robot, "--joint", "elbow", "--joint", "wrist")
-    status, out, err = furuta(*both, "--joint", "base", "--save", saved, "--json")
+    both = ("identify", "--body", "axis", robot, "--joint", "elbow", "--joint", "wrist")
+    status, out, err = furuta(*both, "--joint", "base", "--write", saved, "--json")
     assert (status, err.count("\n")) == (1, 1)
     assert "base: bag: the torque is 0.1 throughout" in err
     found = json.loads(out)["joints"]
     assert found["base"]["usable"] == "no"
     assert not saved.exists()
-    status, out, err = furuta(*both, "--save", saved)
+    status, out, err = furuta(*both, "--write", saved)
     assert status == 0, err
     assert re.search(r"^wrist +yes +0\.0", out, re.MULTILINE)
     for name, level in (("elbow", 0.1), ("wrist", 0.2)):
@@ -95,11 +94,11 @@ def test_a_joint_beside_another_that_moves(
         '<parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>',
         encoding="utf-8",
     )
-    options = ("axis", "--identify", robot, "--joint", "elbow", "--moving", "wrist")
+    options = ("identify", "--body", "joint", robot, "--joint", "elbow", "--moving", "wrist")
     for geometry in ((), ("--urdf", urdf)):
         found = answer(*options, *geometry)
         assert found["units"]["alpha0"] == "N m"
-        assert found["left_over"] < 0.05
+        assert found["residual"]["part"] < 0.05
         assert abs(found["alpha0"] - 0.1) < 3.0 * found["standard_errors"]["alpha0"]
     status, _, err = furuta(*options[:-1], "hand", "--urdf", urdf)
     assert (status, "no joint hand" in err, err.count("\n")) == (1, True, 1)
@@ -117,7 +116,7 @@ def test_a_servo_of_which_only_goal_and_position_are_logged(answer: Any, tmp_pat
     columns = {"time": time, "goal_deg": np.degrees(goal)}
     position = np.interp(time, moved.time, moved.measured)
     Table(columns | {"position_deg": np.degrees(position)}).write(table)
-    found = answer("axis", "--identify", table, "--goal", "goal_deg")
+    found = answer("identify", "--body", "servo", table, "--goal", "goal_deg")
     for name, true in (("inertia", 1e-3), ("friction", 0.05), ("viscous", 0.05)):
         assert abs(found[name] - true) < 4.0 * found["standard_errors"][name] + 0.02 * true, name
     assert found["units"]["friction"] == "rad"

@@ -101,14 +101,14 @@ MISUSED = {
     "view --rig paper": "options of furuta run follow after --: furuta view -- --rig NAME|FILE",
     "axis --pid 1,2,0": "requires 3 arguments, separated by blanks (see furuta axis",
     "axis --counts many --pid 1 2 0": "such as 4096 or 1000/mm",
-    "axis --identify x.csv --lead 5": "'5' is not a length with its unit, such as 10mm or 0.01m",
+    "identify x --body axis --lead 5": "'5' is not a length with its unit, such as 10mm or 0.01m",
     "simulate --seconds 10s": "'10s' is not a number; give it without a unit",
     "simulate --law LuGre": "'lugre', 'dahl', 'maxwell_slip'; did you mean lugre?",
     "run --namespace 1st": "'--namespace': a namespace has letters",
     "demo --out mine.csv": "'mine.csv' is a file",
     "bag replay bag --remap a:=b:=c": "'--remap': 'a:=b:=c' is not FROM:=TO",
     "param set plant --sede 1": "expected NAME VALUE",
-    "axis --inertia 1 --friction alpha0=1": "either --pid or --cascade",
+    "axis --inertia 1 --friction alpha0=1": "give FILE, or --pid, or --cascade",
 }
 
 

@@ -7,6 +7,7 @@ A new option is covered by its declaration and its type. One that takes free tex
 import json
 import re
 import sys
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
@@ -32,7 +33,7 @@ GIVEN = """--set zeta1=0.8 --set alpha0=0.3 | --params PARAMETERS.yaml | --rig q
 --joint other | --position wrist | --command wrist | --time time2 | --goal wrist |
 --moving wrist2=wrist |
 --columns a,b | --urdf ARM.urdf | --arm wrist | --pendulum wrist | --states states |
---zero hanging | --identify AXIS.csv | --axis JOINT.yaml | --topic x | --validate RIG.csv |
+--zero hanging | --axis JOINT.yaml | --topic x | --validate RIG.csv |
 --pid 3 6 0.2 | --cascade 10 0.3 1 | --port mock | --record BAG | --remap a:=b | --out OTHER |
 --seconds 14 | --arm-guard 0.3 | --pendulum-guard 0.01"""
 TEXTS = dict(each.strip().split(" ", 1) for each in GIVEN.split("|"))
@@ -48,19 +49,19 @@ BASES = {
     "export urdf": ["--axis JOINT.yaml"],
     "export sdf": ["--axis JOINT.yaml"],
     "export mjcf": ["--axis JOINT.yaml", "--axis JOINT.yaml --lugre"],
-    "axis": ["--identify GOAL.csv --goal goal"],
-    "identify": ["SWING.csv --command none"],
+    "axis": ["JOINT.yaml"],
+    "identify": ["SWING.csv --command none", "GOAL.csv --body servo --goal goal"],
     "bag export": ["RIG.csv --out X.csv", "SERIES.csv --out X.csv", "SERIES.npz --out X.csv"],
     "param defaults": ["controller"],
     "hw rig": ["paper"],
 }
 LONG = {
     "tune": ["--seconds 60"],
-    "identify": ["RIG.csv"],
-    "axis": [
-        "--inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction --pid 2 6 0.12",
-        *("--identify AXIS.csv", "--identify AXIS.csv --joint position --moving wrist=wrist"),
+    "identify": [
+        *("RIG.csv", "AXIS.csv --body axis"),
+        "AXIS.csv --body joint --joint position --moving wrist=wrist",
     ],
+    "axis": ["--inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction --pid 2 6 0.12"],
     "limit-cycle": ["--over omega1=6:6.2", "--over omega1=6:7:2 --over omega2=5:6:2"],
 }
 NOTHING_TO_DRAW = "--set alpha0=0 --set alpha1=0"
@@ -102,9 +103,18 @@ def words(option: click.Option) -> list[str]:
 def refusal(name: str, *texts: str) -> str:
     """Why a command's parser refuses options, named alone or with a value; empty if it does not."""
     known = options(name)
-    given = [w for text in texts for w in (text.split() if " " in text else words(known[text]))]
+    for group in getattr(COMMANDS[name], "one_of", ()):
+        if not {text.split()[0] for text in texts} & {*group}:
+            texts += (min(group, key=lambda each: (bool(needs(name, each)), each == "FILE")),)
+    given = [
+        word
+        for text in texts
+        if text in known or " " in text
+        for word in (text.split() if " " in text else words(known[text]))
+    ]
     given += [w for o in known.values() if o.required and o.opts[0] not in given for w in words(o)]
-    given += ["X" for each in COMMANDS[name].params if isinstance(each, click.Argument)]
+    arguments = [each for each in COMMANDS[name].params if isinstance(each, click.Argument)]
+    given += ["X" for each in arguments if each.required or "FILE" in texts]
     try:
         COMMANDS[name].make_context("x", given)
     except click.UsageError as error:
@@ -121,8 +131,13 @@ def with_needs(name: str, *texts: str) -> list[str]:
         text = pending.pop(0)
         if (own := text.split()[0]) not in found:
             found[own] = text
-            pending += getattr(options(name)[own], "needs", ())[:1]
+            pending += needs(name, own)[:1]
     return list(found.values())
+
+
+def needs(name: str, text: str) -> Sequence[str]:
+    """What an option needs; an argument needs nothing."""
+    return getattr(options(name).get(text), "needs", ())
 
 
 RULES = [
@@ -140,7 +155,9 @@ def test_what_is_declared_is_refused(name: str, option: str, kind: str, other: s
     """In one line that names both; without the other one, or with it, the option is taken."""
     assert refusal(name, *with_needs(name, option)) == ""
     if kind == "needs":
-        why = refusal(name, option)
+        groups = getattr(COMMANDS[name], "one_of", ())
+        instead = [next(e for e in group if e != other) for group in groups if other in group]
+        why = refusal(name, option, *(with_needs(name, *instead) if instead else ()))
     else:
         once = [option] if kind == "once_with" else []
         why = refusal(name, *with_needs(name, other, option), *once)
@@ -157,8 +174,18 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     axis = furuta.Axis(0.01, furuta.Friction(alpha0=0.1, alpha1=0.05, viscous=0.02), "coulomb")
     pid = furuta.Pid(4.0, 6.0, 0.2)
     run = furuta.simulate_axis(axis, pid, reference=goal, counts=2**17, sample_time=4e-3)
-    furuta.identify_axis(run.recording).write(folder / "JOINT.yaml", pid)
+    furuta.identify(run.recording, "axis").write(folder / "JOINT.yaml", pid)
     moved = {"position": run.measured, "torque": run.torque, "goal": goal, "wrist": 0.3 * goal**2}
+    loop = furuta.Axis(1e-3, furuta.Friction(alpha0=0.05, alpha1=0.0, viscous=0.05), "coulomb")
+    short = time[:1000]
+    followed = furuta.simulate_axis(
+        loop,
+        furuta.Pid(1.0),
+        reference=np.repeat(goal[:1000], 16),
+        sample_time=2.5e-4,
+        counts=2**17,
+    )
+    served = {"position": np.interp(short, followed.time, followed.measured)}
     excited = {"excitation.kind": "multisine", "excitation.amplitude": 1.0, "alpha0": 0.1}
     balanced = furuta.simulate(furuta.make_loop(excited), 10.0)
     for name in ("SERIES.csv", "SERIES.npz"):
@@ -169,7 +196,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     swing = np.exp(-0.1 * time) * np.cos(5.1 * time)
     for name, own, clock in (
         ("AXIS.csv", moved, time),
-        ("GOAL.csv", {name: each[:500] for name, each in moved.items()}, time[:500]),
+        ("GOAL.csv", {n: each[:1000] for n, each in moved.items()} | served, short),
         ("RIG.csv", driven | {"wrist": 2.0 * pendulum}, series["time_s"]),
         ("SWING.csv", {"arm": 0.0 * swing, "pendulum": swing, "wrist": swing**3}, time),
     ):

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from furuta.axis.axis import Cascade as Cascade
     from furuta.axis.axis import Pid as Pid
     from furuta.axis.joint_file import read_joint_file as read_joint_file
+    from furuta.bodies import AxisBody as AxisBody
+    from furuta.bodies import JointBody as JointBody
+    from furuta.bodies import PendulumBody as PendulumBody
+    from furuta.bodies import ServoBody as ServoBody
     from furuta.cycles import cycle_branch as cycle_branch
     from furuta.cycles import cycle_map as cycle_map
     from furuta.cycles import friction_joint as friction_joint
@@ -34,10 +38,6 @@ if TYPE_CHECKING:
     from furuta.exports import export_joint as export_joint
     from furuta.identified_models import identified_rig as identified_rig
     from furuta.identified_models import identify as identify
-    from furuta.identified_models import identify_arm_joint as identify_arm_joint
-    from furuta.identified_models import identify_axes as identify_axes
-    from furuta.identified_models import identify_axis as identify_axis
-    from furuta.identified_models import identify_servo as identify_servo
     from furuta.loops import load_rig as load_rig
     from furuta.loops import make_loop as make_loop
     from furuta.models import friction_law as friction_law

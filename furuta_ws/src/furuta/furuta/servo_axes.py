@@ -13,9 +13,9 @@ from furuta.axis import simulation
 from furuta.axis.axis import Axis, Cascade, Pid
 from furuta.axis.compensations import compare_on_axis
 from furuta.axis.draws import COMPARED, consequences
+from furuta.axis.identified_axis import IdentifiedAxis
 from furuta.axis.quiet_gains import FEW, HUNTING, quiet_gains
 from furuta.limit_cycles.joint import JointCycle
-from furuta.results.identified import AxisFit
 from furuta.results.servo_axes import AxisRun, AxisStudy, Sampling, Study
 from furuta_model.parameters import ParameterError
 from furuta_model.progress import Progress, unseen
@@ -46,7 +46,7 @@ def servo_cycle(axis: Axis, controller: Pid | Cascade, speed: float = 0.0) -> Jo
 
 
 def study_axis(
-    axis: Axis | AxisFit,
+    axis: Axis | IdentifiedAxis,
     controller: Pid | Cascade,
     *,
     speed: float = 0.0,
@@ -66,7 +66,7 @@ def study_axis(
     observer is a node of its own, and its gears must not rattle.
 
     Args:
-        axis: The axis, or what :func:`identify_axis` returned.
+        axis: The axis, what :func:`identify` returned, or what :func:`read_joint_file` has of it.
         controller: Its gains.
         speed: Speed of the reference [rad/s].
         counts: Counts of the encoder per turn, 0 for a perfect one; by default those of the
@@ -83,11 +83,11 @@ def study_axis(
         ParameterError: The identified axis is not usable, a number is not allowed, or the cycle
             cannot be proved.
     """
-    fit, others = (axis, axis.draws()) if isinstance(axis, AxisFit) else (None, [])
+    fit, others = (axis, axis.draws()) if isinstance(axis, IdentifiedAxis) else (None, [])
     if fit is not None:
         fit.require(force)
         axis = fit.axis(law)
-        known = fit.recordings[0].interval, max(fit.values.get("delay", 0.0), 0.0)
+        known = fit.interval, max(fit.values.get("delay", 0.0), 0.0)
         turn = round(2.0 * math.pi / fit.resolution)
     elif law is not None or force:
         raise ParameterError("law and force belong to an identified axis")

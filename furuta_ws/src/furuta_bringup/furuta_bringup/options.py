@@ -75,14 +75,8 @@ class Option(click.Option):
         return super().handle_parse_result(ctx, opts, args)
 
     def _refuse_without_effect(self, ctx: click.Context, opts: Mapping[str, Any]) -> None:
-        named = {text: each.name for each in ctx.command.params for text in each.opts}
-
         def first_of(others: Sequence[str]) -> str:
-            for other in others:
-                name, _, value = other.partition(" ")
-                if named[name] in opts and value in ("", opts[named[name]]):
-                    return other
-            return ""
+            return next((other for other in others if _is_given(ctx, opts, other)), "")
 
         own = self.opts[0]
         if self.needs and not first_of(self.needs):
@@ -91,6 +85,35 @@ class Option(click.Option):
             ctx.fail(f"{own} cannot be combined with {other}")
         if self.multiple and len(opts[self.name or ""]) > 1 and (other := first_of(self.once_with)):
             ctx.fail(f"{own} can be given only once with {other}")
+
+
+class Command(click.Command):
+    """A command that needs one of several options or arguments, of each of some groups."""
+
+    def __init__(self, *args: Any, one_of: Sequence[Sequence[str]] = (), **settings: Any) -> None:
+        super().__init__(*args, **settings)
+        self.one_of = one_of
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Refuse arguments that lack one of a group."""
+        rest = super().parse_args(ctx, args)
+        for group in () if ctx.resilient_parsing else self.one_of:
+            given = {n: value for n, value in ctx.params.items() if value not in (None, ())}
+            if not any(_is_given(ctx, given, each) for each in group):
+                ctx.fail(f"give {', or '.join(group)}")
+        return rest
+
+
+def _is_given(ctx: click.Context, opts: Mapping[str, Any], text: str) -> bool:
+    """Whether an option or argument has a value, or the value that the text has behind it."""
+    name, _, value = text.partition(" ")
+    for each in ctx.command.params:
+        if name in (*each.opts, each.human_readable_name.strip("[]")):
+            # What is not given is None, or of a type that only click has.
+            given = opts.get(each.name or "")
+            known = isinstance(given, str | int | float | tuple | list | Path)
+            return known and given not in ((), []) and value in ("", given)
+    raise AssertionError(f"no option {name}")
 
 
 def option(*names: str, help: str, **settings: Any) -> Callable[[Function], Function]:

@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from furuta.axis.axis import NOTHING, Axis, Controller, servo_cycle
+from furuta.axis.identified_axis import DRAWS, IdentifiedAxis
 from furuta.identification.axis.effects import FALL
-from furuta.identification.axis.identify import AxisFit
 from furuta_model.friction.laws import LAWS, find_law
 from furuta_model.friction.parameters import Friction
 from furuta_model.parameters import ParameterError
 from furuta_model.progress import Progress, unseen
 
-# Draws from the covariance, and how many of them the compensations are compared on.
-DRAWS, COMPARED = 100, 4
+# Draws on which the compensations are compared.
+COMPARED = 4
 # Fraction of draws below which, or above one minus which, the recording tells whether it hunts.
 DECIDED = 0.05
 HUNTING = ("limit_cycle", "irregular")
@@ -40,9 +40,9 @@ class Consequences(NamedTuple):
         """Whether nearly all draws hunt, or nearly none."""
         return not DECIDED < self.hunts_in < 1.0 - DECIDED
 
-    def sentence(self, fit: AxisFit) -> str:
+    def sentence(self, fit: IdentifiedAxis) -> str:
         """The consequences in words, and which recording would settle what is open."""
-        unit = fit.recordings[0].units[0]
+        unit = fit.position_unit
         text = f"hunts in {self.hunting} of {self.draws} draws"
         if self.hunting:
             text += f", {self.low_rad:.3g} to {self.high_rad:.3g} {unit}"
@@ -55,10 +55,10 @@ class Consequences(NamedTuple):
         )
 
 
-def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
-    """The axis of a fit, without offset and drift; see :meth:`furuta.results.AxisFit.axis`."""
+def identified_axis(fit: IdentifiedAxis, law: str | None = None) -> Axis:
+    """The axis of a fit, without offset and drift; see :meth:`IdentifiedAxis.axis`."""
     if "inertia" not in fit.values:
-        raise ParameterError(f"{fit.recordings[0].name}: {'; '.join(fit.reasons)}")
+        raise ParameterError(f"{fit.joint}: {'; '.join(fit.verdict.reasons)}")
     at_once = "alpha1" in fit.values and "stribeck_velocity" not in fit.values
     law = law or ("stiction" if at_once else "stribeck")
     if law not in LAWS or find_law(law).bristle:
@@ -73,7 +73,7 @@ def identified_axis(fit: AxisFit, law: str | None = None) -> Axis:
     return Axis(fit.values["inertia"], NOTHING._replace(**known), law, load)
 
 
-def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
+def drawn_axes(fit: IdentifiedAxis, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     """Axes that the recording may have come from.
 
     The parameters of the identified axis are drawn from the covariance. Where the recording does
@@ -88,10 +88,9 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
     """
     random = np.random.default_rng(seed)
     centre = identified_axis(fit)
-    means = fit.fit.unknowns.vector(fit.fit.values)
     # Rounding may leave a variance below 0 in a direction; the method takes its size.
     vectors = random.multivariate_normal(
-        means, fit.covariance, draws, check_valid="ignore", method="eigh"
+        fit.means, fit.covariance, draws, check_valid="ignore", method="eigh"
     )
     return [
         _drawn(centre, dict(zip(fit.names, vector, strict=True)), fit, random) for vector in vectors
@@ -99,7 +98,7 @@ def drawn_axes(fit: AxisFit, draws: int = DRAWS, seed: int = 0) -> list[Axis]:
 
 
 def _drawn(
-    centre: Axis, drawn: dict[str, float], fit: AxisFit, random: np.random.Generator
+    centre: Axis, drawn: dict[str, float], fit: IdentifiedAxis, random: np.random.Generator
 ) -> Axis:
     """One axis; a value that cannot be is the nearest one that can."""
     friction = centre.friction
@@ -114,7 +113,7 @@ def _drawn(
         factor = np.exp(min(relative, 1.0) * random.standard_normal())
         changes[excess] = max(drawn[excess], 0.0)
         changes[velocity] = friction.stribeck_velocity * float(factor)
-        if fit.usable != "yes" and random.random() < 0.5:
+        if fit.verdict.usable != "yes" and random.random() < 0.5:
             law = "stiction"
     elif excess in fit.values:
         change = fit.standard_errors[excess] * random.standard_normal()
@@ -135,7 +134,7 @@ def consequences(
     return Consequences(len(axes), len(sizes), float(low), float(high))
 
 
-def left_out(fit: AxisFit) -> list[str]:
+def left_out(fit: IdentifiedAxis) -> list[str]:
     """Reported effects that the axis in a loop does not have."""
     has = {"inertia", "alpha0", "alpha1", "stribeck_velocity", "viscous", "asymmetry"}
     return [name for name in fit.values if name not in has and not name.startswith("offset")]

@@ -17,14 +17,16 @@ import yaml
 
 from furuta.axis.axis import Cascade, Controller, Pid
 from furuta.axis.draws import identified_axis, left_out
+from furuta.axis.identified_axis import IdentifiedAxis
 from furuta.axis.servo import POLES, observer_parameters, paper_units
-from furuta.identification.axis.identify import AxisFit
 from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER
 from furuta.settings.parameter_names import parameters_in
 from furuta_model.parameters import ParameterError, number_from_text, shortened, values
 from furuta_ros.parameter_files import PARAMETERS, is_of_ros, read_sections
 from furuta_ros.whole_files import whole_file
 
+# The section that no node reads: what studies need of the fit.
+IDENTIFIED = "identified"
 CONTROLLERS: dict[str, type[Pid] | type[Cascade]] = {"pid": Pid, "cascade": Cascade}
 # Found values by their names in a fit. Those of the axis have the prefix ``axis.`` in the file.
 OF_FRICTION = ("alpha0", "alpha1", "stribeck_velocity", "asymmetry")
@@ -35,20 +37,44 @@ OF_AXIS = ("inertia", "viscous", *OF_LOAD)
 USUAL = "recommended"
 # What a joint must have: the defaults of these are the pendulum's.
 NEEDED = ("sample_time", "alpha0", "alpha1", "stribeck_velocity", "sigma0", "sigma1")
-# Digits that are written.
-DIGITS = 6
+# Digits that are written for people, and that a number has.
+DIGITS, EXACT = 6, 17
 
 
 class JointFile(NamedTuple):
-    """What a joint file says of one joint: its parameters by full name, and its controller."""
+    """What a joint file says of one joint: its parameters by full name, and its controller.
+
+    ``identified`` is the axis, if the file has it, for :func:`furuta.study_axis`.
+    """
 
     joint: str
     parameters: dict[str, Any]
     controller: Controller | None
+    identified: IdentifiedAxis | None = None
+
+    def axis(self) -> IdentifiedAxis:
+        """The identified axis.
+
+        Raises:
+            ParameterError: The file does not have it.
+        """
+        if self.identified is None:
+            raise ParameterError(f"the joint file has no section {IDENTIFIED} of {self.joint}")
+        return self.identified
+
+    def known(self) -> Controller:
+        """The controller.
+
+        Raises:
+            ParameterError: The file does not have it.
+        """
+        if self.controller is None:
+            raise ParameterError(f"the file has no controller of {self.joint}: give --pid")
+        return self.controller
 
 
 def joint_parameters(
-    fit: AxisFit,
+    fit: IdentifiedAxis,
     joint: str,
     sample_time: float,
     controller: Controller | None = None,
@@ -70,7 +96,7 @@ def joint_parameters(
 
 def write_joint_file(
     path: str | Path,
-    fits: Mapping[str, AxisFit],
+    fits: Mapping[str, IdentifiedAxis],
     controller: Controller | None = None,
     recommended: str | None = None,
 ) -> None:
@@ -84,7 +110,7 @@ def write_joint_file(
     lines = ["# Joint file of furuta axis. Units: N m, rad, kg m² and s, or N, m, kg and s."]
     for space, joint in spaces.items():
         fit = fits[joint]
-        sample_time = float(f"{fit.recordings[0].interval:.4g}")
+        sample_time = float(f"{fit.interval:.4g}")
         written = joint_parameters(fit, joint, sample_time, controller, recommended)
         lines += _about(fit, controller)
         lines += _section(f"/{space}/{FRICTION_OBSERVER}", written, _comments(fit))
@@ -92,6 +118,7 @@ def write_joint_file(
             name = type(controller).__name__.lower()
             gains = [*controller[:3], *filter(None, controller[3:])]
             lines += _section(f"/{space}/{CONTROLLER}", {name: gains}, {})
+        lines += _section(f"/{space}/{IDENTIFIED}", fit.kept(), {}, EXACT)
     with whole_file(Path(path)) as file:
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -102,10 +129,9 @@ def namespace_of(joint: str) -> str:
     return name if re.match("[A-Za-z_]", name) else f"_{name}"
 
 
-def _about(fit: AxisFit, controller: Controller | None) -> Iterator[str]:
+def _about(fit: IdentifiedAxis, controller: Controller | None) -> Iterator[str]:
     """Where the values of a joint are from, as comments."""
-    names = ", ".join(recording.name for recording in fit.recordings)
-    yield f"# From {_one_line(names)}. Usable: {fit.verdict.sentence()}."
+    yield f"# Usable: {_one_line(fit.verdict.sentence())}."
     yield from (f"# {_one_line(finding)}." for finding in fit.findings)
     suited = "the controller below" if controller else f"poles at about {POLES:g} 1/s"
     yield f"# Found values have their standard errors. Those of bristle and rates suit {suited}."
@@ -114,7 +140,7 @@ def _about(fit: AxisFit, controller: Controller | None) -> Iterator[str]:
         yield f"# Found, but not compensated: {', '.join(unused)}."
 
 
-def _comments(fit: AxisFit) -> dict[str, str]:
+def _comments(fit: IdentifiedAxis) -> dict[str, str]:
     """Standard errors by the names of the file, or why there is no value."""
     names = {name: name for name in OF_FRICTION} | {f"axis.{name}": name for name in OF_AXIS}
     errors = {name: f"± {error:.2g}" for name, error in fit.standard_errors.items()}
@@ -124,17 +150,19 @@ def _comments(fit: AxisFit) -> dict[str, str]:
     return {name: about[own] for name, own in names.items() if own in about}
 
 
-def _section(key: str, parameters: Mapping[str, Any], about: Mapping[str, str]) -> Iterator[str]:
+def _section(
+    key: str, parameters: Mapping[str, Any], about: Mapping[str, str], digits: int = DIGITS
+) -> Iterator[str]:
     yield f"{key}:"
     yield f"  {PARAMETERS}:"
     for name, value in parameters.items():
         comment = f"  # {_one_line(about[name])}" if name in about else ""
-        yield f"    {name}: {_text(value)}{comment}"
+        yield f"    {name}: {_text(value, digits)}{comment}"
 
 
-def _text(value: Any) -> str:
-    """A value in YAML, on one line; a number with the digits that are written."""
-    plain = float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
+def _text(value: Any, digits: int) -> str:
+    """A value in YAML, on one line; a number with so many ``digits``."""
+    plain = float(f"{value:.{digits}g}") if isinstance(value, float) else value
     return str(yaml.safe_dump(plain, default_flow_style=True, width=np.inf)).splitlines()[0]
 
 
@@ -161,7 +189,7 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     if not joints:
         raise ParameterError(
             f"{path} is no joint file: it has no section {FRICTION_OBSERVER} with a joint; `furuta "
-            "axis --save` writes one"
+            "identify --body axis --write` writes one"
         )
     listed = ", ".join(joints)
     if joint is None and len(joints) > 1:
@@ -178,7 +206,9 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     for each in parameters:
         if not is_of_ros(each):
             parameters_in(FRICTION_OBSERVER, each)
-    return JointFile(name, parameters, controller)
+    kept = found.get(f"{space}/{IDENTIFIED}")
+    identified = None if kept is None else IdentifiedAxis.of_kept(kept, f"{path}: joint {name}")
+    return JointFile(name, parameters, controller, identified)
 
 
 def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:

@@ -2,14 +2,63 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple, Protocol
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 from furuta_model.parameters import ParameterError
 
 YES, DOUBTFUL, NO = "yes", "doubtful", "no"
 # From the best to the worst.
 GRADES = (YES, DOUBTFUL, NO)
+# Size of the residuals in the noise of the sensor that a fit has which explains the recording: an
+# axis at rest keeps an error of up to half a count.
+EXPLAINED = 3.0**0.5
+
+
+class Limits(NamedTuple):
+    """Parts of something that a model may leave over until it is doubtful, and of no use."""
+
+    doubtful: float
+    useless: float
+
+
+# For every body: of the motion that forces cause within a segment, of the torque, and of the motion
+# of a free run, in which errors grow. Residuals that last are errors of the model.
+LIMITS = {
+    "motion": Limits(0.005, 0.15),
+    "torque": Limits(0.005, 0.15),
+    "free run": Limits(0.2, 0.5),
+    "free run, coloured": Limits(0.05, 0.5),
+}
+
+
+class Residual(NamedTuple):
+    """What a model leaves: in ``noises`` of the sensor, and as a ``part`` of motion or torque."""
+
+    of: str
+    noises: float
+    part: float
+
+    @property
+    def unexplained(self) -> float:
+        """The part that is left over; 0 where that is no more than noise."""
+        return self.part if self.noises > EXPLAINED else 0.0
+
+    @property
+    def grade(self) -> str:
+        """What it says of the values."""
+        limits, part = LIMITS[self.of], self.unexplained
+        return NO if part > limits.useless else DOUBTFUL if part > limits.doubtful else YES
+
+    def doubts(self) -> Iterator[tuple[str, str]]:
+        """What it says against the values, if anything."""
+        if self.grade != YES:
+            noises = f", {self.noises:.1f} times its noise" if self.noises < float("inf") else ""
+            yield (
+                self.grade,
+                f"the model leaves {100.0 * self.part:.1f} % of the {self.of}{noises}: something "
+                "acts that it does not have",
+            )
 
 
 class Verdict(NamedTuple):
@@ -30,33 +79,14 @@ class Verdict(NamedTuple):
         if self.usable == NO:
             raise ParameterError(f"not usable: {'; '.join(self.reasons)}{otherwise}")
 
+    def about(self, what: str) -> str:
+        """As a sentence on something, such as values."""
+        verb = "are" if what.endswith("s") else "is"
+        if self.usable == YES:
+            return f"The {what} {verb} usable."
+        grade = "not usable" if self.usable == NO else self.usable
+        return f"The {what} {verb} {grade}: {'; '.join(self.reasons)}."
+
     def sentence(self) -> str:
         """As one line."""
         return "; ".join([self.usable, *self.reasons])
-
-
-class Identified(Protocol):
-    """What every fit has: values and standard errors by name, and what is said of them."""
-
-    @property
-    def values(self) -> dict[str, float]:
-        """What is determined."""
-
-    @property
-    def standard_errors(self) -> dict[str, float]:
-        """Those of the values."""
-
-    @property
-    def undetermined(self) -> dict[str, str]:
-        """Why the rest is not determined."""
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the values are usable."""
-
-    @property
-    def findings(self) -> list[str]:
-        """How the content of the recording was interpreted."""
-
-    def unit(self, name: str) -> str:
-        """The unit of a value; empty for a number."""

@@ -6,6 +6,10 @@ from typing import TYPE_CHECKING, Any
 from furuta.lazy import public_names
 
 if TYPE_CHECKING:
+    from furuta.axis.identified_axis import IdentifiedAxis as IdentifiedAxis
+    from furuta.identification.axis.fit import AxisFit as AxisFit
+    from furuta.identification.fitted import Fitted as Fitted
+    from furuta.identification.fitting.free_swing import FreeSwing as FreeSwing
     from furuta.limit_cycles.joint import JointCycle as JointCycle
     from furuta.limit_cycles.periodic_orbit import LimitCycle as LimitCycle
     from furuta.outcomes import Outcome as Outcome
@@ -13,14 +17,11 @@ if TYPE_CHECKING:
     from furuta.results.cycles import CycleMap as CycleMap
     from furuta.results.cycles import Prediction as Prediction
     from furuta.results.files import Files as Files
-    from furuta.results.identified import AxisFit as AxisFit
-    from furuta.results.identified import AxisFits as AxisFits
-    from furuta.results.identified import JointFit as JointFit
+    from furuta.results.identified import Fits as Fits
     from furuta.results.linear import LinearModel as LinearModel
     from furuta.results.motion import Run as Run
     from furuta.results.result import Result as Result
     from furuta.results.rig_friction import MeasuredFriction as MeasuredFriction
-    from furuta.results.rig_models import FreeSwing as FreeSwing
     from furuta.results.rig_models import RigModel as RigModel
     from furuta.results.servo_axes import AxisRun as AxisRun
     from furuta.results.servo_axes import AxisStudy as AxisStudy

@@ -67,22 +67,3 @@ class Result:
 
     def __repr__(self) -> str:
         return self.report()
-
-
-class Found(Result):
-    """A result with the fields of what an engine found."""
-
-    def __init__(self, found: Any) -> None:
-        self.found = found
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "found" or name.startswith("__"):  # while it is copied or pickled
-            raise AttributeError(name)
-        return getattr(self.found, name)
-
-    def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *dir(self.found)})
-
-    def _by_name(self) -> dict[str, Any]:
-        """The fields of what was found."""
-        return dict(self.found._asdict())

@@ -1,74 +1,83 @@
-"""What recordings tell of a rig: a model with its verdict, or the pendulum's own motion."""
+"""What recordings tell of a rig: a model with its verdict."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from furuta.identification.fitting import free_swing
+from furuta.identification.estimates import Estimates, findings_text
 from furuta.identification.fitting.friction_laws import LawResult, simplest_adequate_law
+from furuta.identification.identify import held_out
 from furuta.identification.model import Model, Prediction
+from furuta.identification.options import Options
 from furuta.identification.result.identified_rig import base_rig, write_rig
 from furuta.identification.result.rig_friction import rig_friction
-from furuta.identification.result.values import coloured, fits, values_by_name, verdict_on
-from furuta.identification.verdict import Verdict
-from furuta.results.identified import JointFit, findings_text, verdict_sentence
-from furuta.results.result import Found
+from furuta.identification.result.values import (
+    UNITS,
+    coloured,
+    fits,
+    reported_values,
+    residuals,
+    values_by_name,
+    verdict_on,
+)
+from furuta.identification.unknowns import name_of
+from furuta.identification.verdict import Residual
 from furuta.results.text import values_text
 from furuta_hw.rigs.rig import Rig
-from furuta_recordings.recording import findings_of
+from furuta_model.state import RIGID_STATES
+from furuta_recordings.recording import Recording, findings_of
 
 # A value that another one repeats.
 SAME_AS_COULOMB = "alpha0"
 
 
-class RigModel(Found):
+@dataclass(frozen=True, repr=False, eq=False)
+class RigModel(Estimates):
     """A model of pendulum and friction that was fitted to recordings, as :meth:`to_dict` has it.
 
-    Attributes:
-        held_out: What the model predicts of recordings that it was not fitted to.
-        laws: How well other laws of the arm's friction predict, if they were compared.
+    ``names`` and ``covariance`` (p, p) are those of all unknowns, of which positive ones are
+    logarithms. ``residual`` is what the model leaves of the joint that it follows worst. ``fitted``
+    is what it predicts of its own recordings, ``held_out`` of recordings that it was not fitted to.
+    ``laws`` say how well other laws of the arm's friction predict, if they were compared.
     """
 
-    found: Model
+    names: tuple[str, ...] = field(repr=False)
+    covariance: np.ndarray = field(repr=False)
+    residual: Residual
+    fitted: list[Prediction] = field(repr=False)
+    held_out: list[Prediction] = field(repr=False)
+    laws: list[LawResult] = field(repr=False)
+    model: Model = field(repr=False)
+    groups: dict[str, Any] = field(repr=False)
+
     # Values are shown with those of other groups, findings last.
-    details = frozenset({"lugre", "setup", "window_s", "coloured_percent", "usable", "reasons"})
+    details = Estimates.details | {"lugre", "setup", "window_s", "coloured_percent"}
 
-    def __init__(
-        self,
-        found: Model,
-        held_out: Iterable[Prediction] = (),
-        laws: Sequence[LawResult] = (),
-    ) -> None:
-        super().__init__(found)
-        self.held_out, self.laws = list(held_out), list(laws)
+    def predict(self, recording: Recording) -> np.ndarray:
+        """Positions and speeds x (n, 4) at the times of a recording, in rad and rad/s.
 
-    @cached_property
-    def fitted(self) -> list[Prediction]:
-        """What the model predicts of its own recordings."""
-        return [self.found.predict(recording) for recording in self.found.recordings]
-
-    @cached_property
-    def _values(self) -> dict[str, Any]:
-        """The values by name; their errors take long, with slopes in all unknowns."""
-        return values_by_name(self.found)
-
-    @cached_property
-    def verdict(self) -> Verdict:
-        """Whether the model is usable, and why not."""
-        return verdict_on(self.found, self.fitted)
+        A run gets the command, but of a pendulum that swings the measured state only at its start.
+        The pendulum is upright at 0. NaN in pauses between runs.
+        """
+        predicted = np.full((len(recording.time), RIGID_STATES), np.nan)
+        for run in held_out(self.model, [recording], Options()):
+            time = run.recording.time
+            there = (recording.time >= time[0]) & (recording.time <= time[-1])
+            for column, own in zip(predicted.T, run.predicted.T, strict=True):
+                column[there] = np.interp(recording.time[there], time, own)
+        return predicted
 
     def _by_name(self) -> dict[str, Any]:
         """Values with ``standard_errors`` and ``units`` by name, fits [%], verdict, findings.
 
         A value is None if the data do not determine it; ``undetermined`` has the reason.
         """
-        values = dict(self._values)
-        findings = values.pop("findings") + findings_of([run.recording for run in self.held_out])
+        values = {**self.groups, "residual": self.residual._asdict()}
         if self.laws:
             values["friction_laws"] = self.laws
             values["simplest_adequate_law"] = simplest_adequate_law(self.laws).law
@@ -78,19 +87,19 @@ class RigModel(Found):
             "held_out": {run.recording.name: fits(run) for run in self.held_out},
             **self.verdict._asdict(),
             "coloured_percent": {run.recording.name: coloured(run) for run in self.fitted},
-            "findings": list(dict.fromkeys(findings)),
+            "findings": self.findings,
         }
 
     def sentence(self) -> str:
         """Whether the model is usable, and the law that suits its friction."""
-        text = verdict_sentence(self.verdict, "model")
+        text = self.verdict.about("model")
         if not self.laws:
             return text
         return f"{text} The data support the law {simplest_adequate_law(self.laws).law}."
 
     def table(self, values: Mapping[str, Any]) -> str:
         """The values with their errors, fits, waves and laws as tables, then what was found."""
-        one_by_one = {**values, **self._values["lugre"], **self._values["setup"]}
+        one_by_one = {**values, **self.groups["lugre"], **self.groups["setup"]}
         kinds = {name: isinstance(each, float) for name, each in one_by_one.items()}
         beside = {name: values[name] for name in ("standard_errors", "units")}
         rest = {
@@ -122,15 +131,40 @@ class RigModel(Found):
             ParameterError: The model is not usable.
         """
         self.verdict.require()
-        base, findings = base_rig(self.found, base, source)
-        write_rig(self.found, Path(path), base, findings, self.verdict)
+        base, findings = base_rig(self.model, base, source)
+        write_rig(self.model, Path(path), base, findings, self.verdict)
         return findings
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the friction, and the recordings as measured and fitted; see :meth:`Result.plot`."""
         from furuta.figures.residual import draw_rig_model
 
-        return draw_rig_model(rig_friction(self.found), self.fitted, self.held_out, axes)
+        return draw_rig_model(rig_friction(self.model), self.fitted, self.held_out, axes)
+
+
+def rig_model(model: Model, held_out: list[Prediction], laws: Sequence[LawResult] = ()) -> RigModel:
+    """What a model tells, and how well it predicts."""
+    groups, known = values_by_name(model), reported_values(model)
+    findings = [*groups.pop("findings"), *findings_of([run.recording for run in held_out])]
+    errors = {name: error for name, error in groups["standard_errors"].items() if error}
+    fitted = [model.predict(recording) for recording in model.recordings]
+    left = [residual for *_, residual in residuals(fitted)]
+    return RigModel(
+        {name: known[name] for name in errors},
+        errors,
+        groups["undetermined"],
+        {name: UNITS[name] for name in errors if name in UNITS},
+        verdict_on(model, fitted),
+        list(dict.fromkeys(findings)),
+        tuple(map(name_of, model.keys)),
+        model.covariance,
+        max(left, key=lambda each: each.part),
+        fitted,
+        held_out,
+        list(laws),
+        model,
+        groups,
+    )
 
 
 def _rows(of_recordings: Mapping[str, Mapping[str, float]]) -> list[dict[str, Any]]:
@@ -149,25 +183,3 @@ def _waves(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
 
 def _laws(laws: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     return [{"law": law["law"], "parameters": law["parameters"], **law["errors"]} for law in laws]
-
-
-class FreeSwing(JointFit):
-    """The pendulum's own motion: ``values`` and ``standard_errors`` by name, divided by β."""
-
-    found: free_swing.FreeSwing
-    details = JointFit.details | {"coloured_percent"}
-
-    def _by_name(self) -> dict[str, Any]:
-        """Values by name, standard errors, fit of the angle [%], verdict and findings."""
-        runs = {run.recording.name: run for run in self.found.predictions}
-        return {
-            **super()._by_name(),
-            "fit": {name: run.fits()["pendulum angle"] for name, run in runs.items()},
-            "coloured_percent": {name: coloured(run) for name, run in runs.items()},
-        }
-
-    def plot(self, axes: Any = None) -> Any:
-        """Draw the recordings, measured and fitted; see :meth:`Result.plot`."""
-        from furuta.figures.residual import draw_residuals
-
-        return draw_residuals(self.found.predictions, [], axes)

@@ -13,10 +13,11 @@ import numpy as np
 from furuta.axis.axis import Axis, Controller
 from furuta.axis.compensations import SHORTEST, AxisComparison, Residual
 from furuta.axis.draws import Consequences, left_out
+from furuta.axis.identified_axis import IdentifiedAxis
 from furuta.axis.quiet_gains import COUNTS, HUNTING, QuietGains, gain_rows, stable_gains
 from furuta.axis.simulation import AxisRecord, simulate_axis
+from furuta.identification.axis.fit import AxisFit
 from furuta.limit_cycles.joint import JointCycle
-from furuta.results.identified import AxisFit
 from furuta.results.result import Result
 from furuta.results.table import Table
 from furuta.results.text import angle, values_text
@@ -54,7 +55,7 @@ class Study:
     speed: float
     sampling: Sampling
     motions: dict[str, JointCycle]
-    fit: AxisFit | None
+    fit: IdentifiedAxis | None
     consequences: Consequences | None = None
     comparison: AxisComparison | None = None
     quiet: QuietGains | None = None
@@ -94,7 +95,9 @@ class AxisStudy(Result, Study):
     @property
     def units(self) -> tuple[str, str]:
         """The units of position and torque: rad and N m, or m and N."""
-        return self.fit.found.recordings[0].units if self.fit is not None else ("rad", "N m")
+        return (
+            ("rad", "N m") if self.fit is None else (self.fit.position_unit, self.fit.torque_unit)
+        )
 
     def _by_name(self) -> dict[str, Any]:
         """The motion from rest, then the others, the compensations, and what a recording allows.
@@ -118,8 +121,8 @@ class AxisStudy(Result, Study):
             values |= {
                 "hunts_in": self.consequences.hunts_in,
                 "hunting_rad": [low, high],
-                "uncertainty": self.consequences.sentence(self.fit.found),
-                "left_out": left_out(self.fit.found),
+                "uncertainty": self.consequences.sentence(self.fit),
+                "left_out": left_out(self.fit),
             }
         if self.comparison is not None:
             values |= {
@@ -134,8 +137,7 @@ class AxisStudy(Result, Study):
 
     def _gains(self) -> list[dict[str, Any]]:
         quiet = None if self.quiet is None else self.quiet.controller
-        recording = None if self.fit is None else self.fit.found.recordings[0]
-        recorded = ("rad", 1.0) if recording is None else recording.position_unit
+        recorded = ("rad", 1.0) if self.fit is None else self.fit.recorded_unit
         return gain_rows(self.controller, quiet, self.units, recorded)
 
     def size(self, position: float) -> str:
@@ -158,7 +160,7 @@ class AxisStudy(Result, Study):
         for start, motion in list(self.motions.items())[1:]:
             yield f"Started near {NEAR[start]}, it ends otherwise: {motion.kind}."
         if self.fit is not None and self.consequences is not None:
-            yield f"It {self.consequences.sentence(self.fit.found)}."
+            yield f"It {self.consequences.sentence(self.fit)}."
         if self.comparison is not None:
             yield self._of_best(self.comparison.recommended)
         if self.quiet is not None:
@@ -200,7 +202,7 @@ class AxisStudy(Result, Study):
             "left_out": values.get("left_out", []),
             "proof": values.get("proof", {}),
         }
-        of_fit = "" if self.fit is None else f"{self.fit.report()}\n\n"
+        of_fit = f"{self.fit.report()}\n\n" if isinstance(self.fit, AxisFit) else ""
         return of_fit + values_text(tables)
 
     def write(self, path: str | Path) -> None:
@@ -211,7 +213,7 @@ class AxisStudy(Result, Study):
         """
         if self.fit is None:
             raise ParameterError(
-                "a joint file needs what is identified: study what identify_axis returns"
+                "a joint file needs what is identified: study what identify returns"
             )
         self.fit.write(path, self.controller, self.recommended)
 
@@ -247,7 +249,7 @@ class AxisStudy(Result, Study):
         if self.cycle.kind == "limit_cycle" and np.isfinite(self.cycle.period_s):
             motion = self.cycle.trace()
         title = self.cycle.sentence(self.size(self.cycle.peak_to_peak), "The axis")
-        shown = None if fit is None else (axis_friction(fit.found), axis_followed(fit.found))
+        shown = (axis_friction(fit), axis_followed(fit)) if isinstance(fit, AxisFit) else None
         return draw_axis(motion, self.runs(), units, title, shown, axes)
 
 

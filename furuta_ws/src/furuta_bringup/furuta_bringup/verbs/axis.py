@@ -2,130 +2,134 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from furuta_bringup.options import figure_option, json_option
-from furuta_bringup.printing import bar, show, with_status
-from furuta_bringup.verbs.axis_options import (
-    IN_ARM,
-    OF_TABLE,
-    SERVO,
-    controller_options,
-    number_options,
-    recording_options,
+from furuta_bringup.option_types import PARAMETER_FILE, PATH, FiniteRange
+from furuta_bringup.options import Command, figure_option, json_option, option
+from furuta_bringup.printing import bar, print_text, show
+from furuta_bringup.verbs.identify_options import ABOVE, Counts
+from furuta_model.friction.names import ANALYSED_LAWS
+from furuta_model.friction.parameters import Friction
+
+GAIN = FiniteRange(0.0, 1e12)
+# Who has what an option needs.
+BY_NUMBERS, SAVED = ("--inertia",), ("FILE",)
+
+
+@click.command(cls=Command, one_of=[("FILE", "--inertia"), ("FILE", "--pid", "--cascade")])
+@click.argument("file", required=False, type=PATH, metavar="[FILE]")
+@option("--joint", metavar="NAME", needs=SAVED, help="Joint of a file that has several.")
+@option(
+    "--inertia",
+    type=ABOVE,
+    metavar="J",
+    needs=("--friction",),
+    not_with=SAVED,
+    help="Inertia [kg m²], or mass [kg].",
 )
-from furuta_recordings.readers import read_axis
-from furuta_recordings.readers.mapping import NO_COMMAND
-
-if TYPE_CHECKING:
-    from furuta import Recording
-    from furuta.results.identified import AxisFit, AxisFits, JointFit
-
-
-@click.command()
-@number_options
-@controller_options
-@recording_options
-@figure_option("Draw the motion and the error, and what was identified.", not_with=IN_ARM + SERVO)
+@option(
+    "--friction",
+    metavar="NAME=VALUE,...",
+    needs=BY_NUMBERS,
+    help=f"Friction parameters: {', '.join(Friction._fields)} [N m, rad/s].",
+)
+@option(
+    "--law",
+    type=click.Choice(ANALYSED_LAWS),
+    help="Friction law; default: stribeck, or stiction if the recording shows stiction.",
+)
+@option(
+    "--pid",
+    type=GAIN,
+    nargs=3,
+    metavar="KP KI KD",
+    not_with=("--cascade",),
+    help="PID [N m/rad, N m/(rad s), N m s/rad]; default: the controller of the file.",
+)
+@option(
+    "--cascade",
+    type=GAIN,
+    nargs=3,
+    metavar="K KV KI",
+    help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].",
+)
+@option(
+    "--reference-speed",
+    "speed",
+    type=FiniteRange(-1e6, 1e6),
+    default=0.0,
+    metavar="V",
+    help="Speed of the reference [rad/s].",
+)
+@option(
+    "--counts",
+    type=Counts(),
+    help="Encoder counts per turn, or per length such as 1000/mm; 0 for a perfect encoder; "
+    "default: those of the recording, or 4096.",
+)
+@option(
+    "--sample-time",
+    type=FiniteRange(1e-6, 0.1),
+    help="Time between samples [s]; default: that of the recording, or 0.001.",
+)
+@option(
+    "--prove",
+    is_flag=True,
+    help="Prove the limit cycle in interval arithmetic, for the law stiction (needs python-flint).",
+)
+@figure_option("Draw the motion and the error.")
+@option(
+    "--write",
+    type=PARAMETER_FILE,
+    needs=SAVED,
+    help="Write the joint file with this controller and the compensation that suits it.",
+)
+@option("--force", is_flag=True, needs=SAVED, help="Use an identification that is not usable.")
 @json_option
 def command(
+    file: Path | None,
+    joint: str | None,
     inertia: float | None,
     friction: str | None,
+    law: str | None,
     pid: tuple[float, float, float] | None,
     cascade: tuple[float, float, float] | None,
-    records: tuple[Path, ...],
-    read: partial[Recording],
     figure: Path | None,
+    write: Path | None,
+    force: bool,
     as_json: bool,
-    **others: Any,
+    **about: Any,
 ) -> None:
     """Find the final motion of a servo axis with friction, and which compensation helps.
 
-    Describe the axis by numbers or by a recording. The final motion is computed exactly: a limit
-    cycle (hunting, stick-slip), rest, steady or unbounded motion. Then each compensation is
-    simulated with the encoder, and the simplest of the best is recommended. For a recording, both
-    are repeated for other axes that may have produced it. Units are N m, rad, kg m² and s, or N, m,
-    kg and s.
+    Describe the axis by numbers, or give a joint FILE of `identify --body axis --write`. The final
+    motion is computed exactly: a limit cycle (hunting, stick-slip), rest, steady or unbounded
+    motion. Then each compensation is simulated with the encoder, and the simplest of the best is
+    recommended. For a joint file, both are repeated for other axes that its recordings may have
+    come from. Units are N m, rad, kg m² and s, or N, m, kg and s.
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction
     --pid 2 6 0.12
     """
-    from furuta import Axis, Cascade, Pid, study_axis
+    from furuta import Axis, Cascade, Pid, read_joint_file, study_axis
     from furuta.axis.friction_text import friction_from_text
-    from furuta.results.identified import AxisFit
 
-    is_controlled = pid is not None or cascade is not None
-    if not records and inertia is None:
-        raise click.UsageError("give either --inertia and --friction, or --identify FILE")
-    if not records and not is_controlled:
-        raise click.UsageError("give the controller: either --pid or --cascade")
-    law, save, force = (others[name] for name in ("law", "save", "force"))
-    about = {name: others[name] for name in ("counts", "sample_time", "prove")}
-    if records:
-        with with_status("reading", as_json, lines=True) as report:
-            fit = _identified(read, records, report, **others)
-        if not (is_controlled and isinstance(fit, AxisFit) and (fit.is_usable or force)):
-            show(fit, as_json, figure)
-            fit.require(force)
-            if save is not None:
-                fit.write(save)
-            return
-        axis: Axis | AxisFit = fit
-        about |= {"law": law, "force": force}
-    else:
+    given = Pid(*pid) if pid else Cascade(*cascade) if cascade else None
+    progress = bar("studying the axis", as_json)
+    if file is None:
         law = law or "stribeck"
         axis = Axis(inertia or 0.0, friction_from_text(friction or "", law), law)
-    study = study_axis(
-        axis,
-        Cascade(*cascade) if cascade else Pid(*(pid or ())),
-        speed=others["speed"] or 0.0,
-        progress=bar("studying the axis", as_json),
-        **about,
-    )
-    show(study, as_json, figure)
-    if save is not None:
-        study.write(save)
-
-
-def _identified(
-    read: partial[Recording],
-    records: Sequence[Path],
-    report: Callable[[str], None],
-    joints: Sequence[str],
-    moving: Sequence[str],
-    urdf: Path | None,
-    goal: str | None,
-    **_: Any,
-) -> AxisFit | AxisFits | JointFit:
-    """What recordings tell of an axis, of several joints, of one in an arm, or of a servo."""
-    from furuta import identify_arm_joint, identify_axes, identify_axis, identify_servo
-    from furuta_recordings.readers.assembly import one_after_the_other
-
-    first, joint = records[0], next(iter(joints), None)
-    about = {name: read.keywords[name] for name in OF_TABLE if name in read.keywords}
-
-    def still(path: Path, **names: Any) -> Recording:
-        return read_axis(path, command=NO_COMMAND, **about, **names)
-
-    if goal is not None:
-        position = still(first, position=read.keywords.get("position"), joint=joint)
-        return identify_servo(position, still(first, position=goal))
-    if moving or urdf is not None:
-        own = one_after_the_other([read(each, joint=joint) for each in records])
-        others = [
-            one_after_the_other(
-                [still(each, position=column or None, joint=name) for each in records]
-            )
-            for name, _, column in (each.partition("=") for each in moving)
-        ]
-        return identify_arm_joint(own, others, urdf)
-    if len(joints) > 1:
-        return identify_axes(
-            {name: [read(each, joint=name) for each in records] for name in joints}, report=report
+        study = study_axis(axis, given or Pid(0.0), progress=progress, **about)
+    else:
+        saved = read_joint_file(file, joint)
+        study = study_axis(
+            saved.axis(), given or saved.known(), law=law, force=force, progress=progress, **about
         )
-    return identify_axis([read(each, joint=joint) for each in records], report=report)
+    show(study, as_json, figure)
+    if write is not None:
+        study.write(write)
+        if not as_json:
+            print_text(f"joint_file {write}")

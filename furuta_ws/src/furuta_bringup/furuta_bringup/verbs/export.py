@@ -96,7 +96,7 @@ def _joint_command(form: str, name: str, friction: str) -> None:
         type=click.Path(path_type=Path),
         required=True,
         metavar="FILE",
-        help="Joint file, from axis --save.",
+        help="Joint file, from identify or axis --write.",
     )
     @click.option("--joint", metavar="NAME", help="Joint to use if the file has several.")
     @click.option("--prismatic", is_flag=True, help="The joint slides: N, m and kg.")

@@ -1,159 +1,141 @@
 """``furuta identify``."""
 
-from math import isfinite, nan, radians
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from furuta.identification.options import ANGLE_UNITS, AUTO_DIRECTION, ZEROS
-from furuta.identification.verdict import NO
 from furuta.results.text import values_text
-from furuta_bringup.option_types import PARAMETER_FILE, PATH, FiniteRange
-from furuta_bringup.options import figure_option, json_option, names_options, option
+from furuta_bringup.option_types import PATH
+from furuta_bringup.options import figure_option, json_option
 from furuta_bringup.printing import print_text, show, with_status
-from furuta_recordings.readers import Mapping, read
+from furuta_bringup.verbs.identify_options import (
+    DIRECTIONS,
+    IN_ARM,
+    SERVO,
+    body_option,
+    file_options,
+    known_options,
+    name_options,
+)
+from furuta_recordings.readers import Mapping, read, read_axis
 from furuta_recordings.readers.mapping import NO_COMMAND
 
-DIRECTIONS = {"auto": AUTO_DIRECTION, "1": 1.0, "-1": -1.0}
-# A pendulum that swings freely gives no model of the arm and its drive.
-FREE = (f"--command {NO_COMMAND}",)
+if TYPE_CHECKING:
+    from furuta import Recording
+    from furuta.identification.fitted import Estimates
+    from furuta.results.identified import Fits
 
-
-def _zero(context: click.Context, param: click.Parameter, value: str) -> str | float:
-    """A position by name, or an angle in degrees, which becomes radians."""
-    try:
-        angle = radians(float(value))
-    except ValueError:
-        angle = nan
-    if value not in ZEROS and not isfinite(angle):
-        known = ", ".join(ZEROS)
-        raise click.BadParameter(f"'{value}' is not one of {known} or an angle in degrees")
-    return value if value in ZEROS else angle
+Report = Callable[[str], None]
+# Options of readers, by their names in Python: those of everything, and those of what drives it.
+OF_TABLE, OF_DRIVE = ("time", "columns", "rate"), ("command", "torque_constant", "lead")
 
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=PATH, metavar="PATH...")
-@names_options
-@option(
-    "--zero",
-    callback=_zero,
-    default="auto",
-    not_with=FREE,
-    help="Pendulum position at which the angle is 0 (auto, upright, hanging), or the measured "
-    "angle of the hanging pendulum in degrees.",
+@body_option
+@name_options
+@known_options
+@figure_option(
+    "Draw friction over speed, and the recordings, measured and fitted.", not_with=SERVO + IN_ARM
 )
-@option(
-    "--direction",
-    type=click.Choice(list(DIRECTIONS)),
-    default="auto",
-    not_with=FREE,
-    help="Direction of the pendulum's angle: 1 if an upright pendulum falls in its negative "
-    "direction when the arm accelerates in its positive one.",
-)
-@option("--angles", type=click.Choice(ANGLE_UNITS), default="auto", help="Unit of the angles.")
-@option(
-    "--command-scale",
-    type=FiniteRange(0.0, min_open=True),
-    default=1.0,
-    metavar="V",
-    not_with=FREE,
-    help="Voltage of a command of 1 [V].",
-)
-@option(
-    "--ceiling",
-    type=FiniteRange(0.0, 1e3, min_open=True),
-    metavar="V",
-    not_with=FREE,
-    help="Highest voltage of the drive [V]; default: detected, if the data show it.",
-)
-@option(
-    "--window",
-    type=FiniteRange(0.05, 1e4),
-    not_with=FREE,
-    help="Length of the segments that are simulated [s]; default: the whole recording, or 0.5 for "
-    "a balanced pendulum.",
-)
-@option(
-    "--validate",
-    "validation_paths",
-    multiple=True,
-    type=PATH,
-    metavar="PATH",
-    not_with=FREE,
-    help="Recording to test the model on, which is not used for the fit; repeatable.",
-)
-@option(
-    "--laws",
-    is_flag=True,
-    not_with=FREE,
-    help="Compare friction laws of the arm by how well they predict held-out recordings, or "
-    "held-out halves of a single recording.",
-)
-@figure_option("Draw the arm's friction over speed, and the recordings, measured and fitted.")
-@option(
-    "--write",
-    type=PARAMETER_FILE,
-    not_with=FREE,
-    help="Write a rig file, for --rig of other commands.",
-)
-@option(
-    "--rig",
-    "base",
-    default="",
-    metavar="NAME|FILE",
-    needs=("--write",),
-    help="Rig from which --write takes sensors, line and limits; default: according to the "
-    "recording.",
-)
+@file_options
 @json_option
 def command(
     paths: tuple[Path, ...],
-    names: Mapping,
-    zero: str | float,
-    direction: str,
-    angles: str,
-    command_scale: float,
-    ceiling: float | None,
-    window: float | None,
-    validation_paths: tuple[Path, ...],
-    laws: bool,
+    body: str,
     figure: Path | None,
     write: Path | None,
     base: str,
+    force: bool,
     as_json: bool,
+    **given: Any,
 ) -> None:
-    """Fit the model to recordings: bags, CSV tables, or files of `simulate --out`.
+    """Fit a body to recordings: bags, tables, or files of `simulate --out`.
 
-    Several recordings of one rig are fitted together. Parameters that the data do not determine are
-    left out, with the reason. A model that is not usable is not written. Use `--command none` if
-    the pendulum swings freely while the arm rests.
+    Several recordings of one body are fitted together. What the data do not determine is left out,
+    with the reason. What is not usable is not written. Use `--command none` if the pendulum swings
+    freely while the arm rests.
+
+    Example: furuta identify --body axis moves.csv --write joint.yaml
     """
-    from furuta import identify
+    with with_status("reading", as_json, lines=True) as report:
+        found = (_pendulum if body == "pendulum" else _joint)(paths, body, report, given)
+    written: dict[str, Any] = {}
+    try:
+        if write and (force or found.is_usable):
+            written = _written(found, write, base, paths[0])
+    finally:  # also if that fails
+        show(found, as_json, figure, **written)
+    if written and not as_json:
+        print_text(values_text(written))
+    found.require(force)
+
+
+def _pendulum(
+    paths: Sequence[Path], body: str, report: Report, given: dict[str, Any]
+) -> Estimates | Fits:
+    """What recordings tell of a pendulum."""
+    from furuta import PendulumBody, identify
+
+    names = Mapping(**{name: given[name] for name in Mapping._fields})
+    own = ("zero", "angles", "command_scale", "ceiling", "window", "laws")
+    pendulum = PendulumBody(
+        direction=DIRECTIONS[given["direction"]],
+        validate=[read(path, names) for path in given["validate"]],
+        **{name: given[name] for name in own},
+    )
+    return identify([read(path, names) for path in paths], pendulum, report=report)
+
+
+def _joint(
+    paths: Sequence[Path], body: str, report: Report, given: dict[str, Any]
+) -> Estimates | Fits:
+    """What recordings tell of axes, servos or a joint."""
+    from furuta import AxisBody, JointBody, ServoBody, identify
+    from furuta_recordings.readers.assembly import one_after_the_other
+
+    still: dict[str, Any] = {"command": NO_COMMAND}
+
+    def known(names: Sequence[str]) -> dict[str, Any]:
+        return {name: given[name] for name in names if given[name] is not None}
+
+    def own(joint: str | None) -> list[Recording]:
+        drive = still if given["goal"] is not None else known(OF_DRIVE)
+        names: dict[str, Any] = {"position": given["position"], "joint": joint}
+        return [read_axis(path, **drive, **names, **known(OF_TABLE)) for path in paths]
+
+    def position(column: str | None, joint: str | None) -> Recording:
+        names: dict[str, Any] = {"position": column, "joint": joint}
+        return one_after_the_other(
+            [read_axis(path, **still, **names, **known(OF_TABLE)) for path in paths]
+        )
+
+    joints = given["joints"]
+    if len(joints) > 1:
+        each = AxisBody() if body == "axis" else ServoBody()
+        return identify({joint: own(joint) for joint in joints}, each, report=report)
+    joint = next(iter(joints), None)
+    if body == "axis":
+        return identify(own(joint), AxisBody(), report=report)
+    if body == "servo":
+        goal = None if given["goal"] is None else position(given["goal"], joint)
+        return identify(own(joint), ServoBody(goal), report=report)
+    split = (each.partition("=") for each in given["moving"])
+    moving = [position(column or None, name) for name, _, column in split]
+    return identify(own(joint), JointBody(moving, given["urdf"]), report=report)
+
+
+def _written(found: Any, file: Path, base: str, source: Path) -> dict[str, Any]:
+    """Write a rig file or a joint file; what is to be said of it."""
     from furuta.results.rig_models import RigModel
     from furuta_hw.rigs.known_rigs import find_rig
 
-    given = find_rig(base) if base else None
-    with with_status("reading", as_json, lines=True) as report:
-        result = identify(
-            [read(path, names) for path in paths],
-            zero=zero,
-            direction=DIRECTIONS[direction],
-            angles=angles,
-            command_scale=command_scale,
-            ceiling=ceiling,
-            window=window,
-            validate=[read(path, names) for path in validation_paths],
-            laws=laws,
-            report=report,
-        )
-    written: dict[str, Any] = {}
-    try:
-        if write and isinstance(result, RigModel) and result.verdict.usable != NO:
-            found = result.write(write, given, paths[0])
-            written = {"rig_file": str(write), "findings": [*result.to_dict()["findings"], *found]}
-    finally:  # also if that fails
-        show(result, as_json, figure, **written)
-    if written and not as_json:
-        print_text(values_text({"rig_file": str(write), "sensors_of_rig": found}))
-    result.verdict.require()
+    if not isinstance(found, RigModel):
+        found.write(file)
+        return {"joint_file": str(file)}
+    about = found.write(file, find_rig(base) if base else None, source)
+    return {"rig_file": str(file), "sensors_of_rig": about}

@@ -33,6 +33,7 @@ from furuta.identification.least_squares import Fit, Linearised, State
 from furuta.identification.regression.windows import Windows, shortest
 from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Key, Unknowns, Values
+from furuta.identification.verdict import Residual
 from furuta_model.state import PHI
 from furuta_recordings.recording import Recording
 
@@ -58,7 +59,7 @@ GAP = 5.0
 
 
 class Balance(NamedTuple):
-    """A fit of torques, its covariance (p, p) in sizes, and residuals relative to the torque.
+    """A fit of torques, its covariance (p, p) in sizes, and what it leaves of the torque.
 
     ``start`` are the values with a fall of friction, if that explains more.
     """
@@ -67,6 +68,11 @@ class Balance(NamedTuple):
     covariance: np.ndarray
     part: float
     start: Values
+
+    @property
+    def residual(self) -> Residual:
+        """Of any size in the noise of the position, which the torques do not show."""
+        return Residual("torque", np.inf, self.part)
 
 
 class Rows(NamedTuple):

@@ -6,7 +6,7 @@ import numpy as np
 
 from furuta.identification.axis.balance import ROUNDING, has_samples, torque_columns
 from furuta.identification.axis.effects import waves_of
-from furuta.identification.axis.identify import AxisFit
+from furuta.identification.axis.fit import AxisFit
 from furuta.identification.axis.motion import level
 from furuta.identification.axis.segments import Smoothed, position_noise, segmented, smoothed
 from furuta.identification.bodies.axis import Axis, model_of

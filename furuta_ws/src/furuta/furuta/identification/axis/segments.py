@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -151,6 +152,16 @@ def _commands(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     if time[0] <= recording.time[0] + 2.0 * recording.interval:
         return time, torque
     return np.append(recording.time[0] - 1.0, time), np.append(0.0, torque)
+
+
+def forced_motion(cut: Segments) -> float:
+    """Root mean square [rad] of the motion within segments beyond one at constant speed."""
+    left = []
+    for start, end in itertools.pairwise(cut.bounds):
+        t, q = cut.time[start:end], cut.measured[start:end, 0]
+        basis, _ = np.linalg.qr(np.column_stack((np.ones(len(t)), t - t[0])))
+        left.append(q - basis @ (basis.T @ q))
+    return float(np.sqrt(np.mean(np.concatenate(left) ** 2))) or 1e-300
 
 
 def _spread_over(parts: list[Cut], most: int) -> list[Cut]:

@@ -29,25 +29,24 @@ from furuta.identification.axis.balance import (
     window_length,
     with_effects,
 )
-from furuta.identification.axis.effects import Scales, wave_groups
-from furuta.identification.axis.identify import (
-    EXPLAINED,
-    NOT_DISTINGUISHABLE,
-    USELESS_PART,
-    doubts_of,
-    reported_values,
-    unit_of,
-    usable_part,
-)
+from furuta.identification.axis.effects import Scales, wave_groups, waves_of
+from furuta.identification.axis.preparation import unit_of, usable_part
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
 from furuta.identification.axis.start import SLIDES
 from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
 from furuta.identification.errors import series_noise
+from furuta.identification.fitted import (
+    NOT_DISTINGUISHABLE,
+    Fitted,
+    doubts_of,
+    natural,
+    reported,
+)
 from furuta.identification.least_squares import Fit
 from furuta.identification.regression.windows import Windows
 from furuta.identification.selection import significance
 from furuta.identification.unknowns import Key, Values, field_of, name_of
-from furuta.identification.verdict import DOUBTFUL, Verdict
+from furuta.identification.verdict import DOUBTFUL, LIMITS, Residual, Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
 from furuta_recordings.cleaning import FEWEST_SAMPLES, cleaned
@@ -88,37 +87,6 @@ EVERY = 10
 SETTLED = 4
 
 
-class ArmJointFit(NamedTuple):
-    """Values and standard errors by name, in the units of position and torque.
-
-    ``inertia`` is that against the joint's own acceleration, the mean over the recorded poses, and
-    ``gravity`` the largest load by gravity. What the recording does not determine is only in
-    ``undetermined``, with the reason. ``names`` and ``covariance`` are those of all fitted
-    unknowns, ``link n`` among them. ``usable`` is yes, doubtful or no, with ``reasons``; ``part``
-    are the residuals relative to the torque.
-    """
-
-    values: dict[str, float]
-    standard_errors: dict[str, float]
-    undetermined: dict[str, str]
-    names: tuple[str, ...]
-    covariance: np.ndarray
-    usable: str
-    reasons: list[str]
-    findings: list[str]
-    part: float
-    recording: Recording
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the values are usable, and why not."""
-        return Verdict(self.usable, self.reasons)
-
-    def unit(self, name: str) -> str:
-        """The unit of a value; empty for a number."""
-        return unit_of(name, self.recording.units)
-
-
 class _Arm(NamedTuple):
     """The joint, smoothed; the loads by the links; and usual sizes."""
 
@@ -130,8 +98,11 @@ class _Arm(NamedTuple):
 
 def identify_arm_joint(
     recording: Recording, others: Sequence[Recording] = (), urdf: str | Path | None = None
-) -> ArmJointFit:
+) -> Fitted:
     """Fit the friction of one joint of an arm of which ``others`` move too.
+
+    ``inertia`` is that against the joint's own acceleration, the mean over the recorded poses, and
+    ``gravity`` the largest load by gravity. Unknowns ``link n`` are in ``names`` alone.
 
     Raises :class:`ParameterError` if the joint hardly moves, too little is recorded, or a name is
     not in the URDF.
@@ -168,7 +139,7 @@ def identify_arm_joint(
     if urdf is None:
         covered = covered + _shift(best, _fitted(rows, links[: len(links) // 2], arm))
     noises = float(np.sqrt(np.mean(best.state.residuals**2))) / _noise(arm, best, length)
-    left = noises, left_over(rows, best)
+    left = Residual("torque", noises, left_over(rows, best))
     return _result(arm, best, covered, size, rows, left, about, urdf is not None)
 
 
@@ -358,18 +329,18 @@ def _result(
     covered: np.ndarray,
     size: np.ndarray,
     rows: Rows,
-    left: tuple[float, float],
+    left: Residual,
     about: list[str],
     has_geometry: bool,
-) -> ArmJointFit:
-    """Values, errors and verdict, from what is left over in its noise and in the torque."""
-    values, errors, undetermined = reported_values(best, covered)
+) -> Fitted:
+    """Values, errors and verdict."""
+    waves = {key: [wave] for wave in waves_of(best) for key in wave}
+    values, errors, undetermined = reported(best, covered, waves, {("offset", 0): "offset"})
     for named in (values, errors, undetermined):
         for key in best.unknowns.keys:
             if field_of(key) == LINK:
                 named.pop(name_of(key), None)
-    sizes = best.unknowns.all("size")
-    covariance = covered * np.outer(sizes, sizes)
+    covariance = natural(best, covered)
     for name, row, hidden in _loads_of(arm, best, size, rows):
         value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row) + hidden
         value = value if value > ROUNDING * arm.scales.torque * (name == "gravity") else 0.0
@@ -387,21 +358,24 @@ def _result(
     if not has_geometry:
         undetermined["gravity_friction"] = "is a part of alpha0; needs the arm's geometry"
     known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
-    doubts = list(doubts_of(best, *left, known, f"torque, {left[0]:.1f} times its noise"))
-    if left[0] <= EXPLAINED and left[1] > USELESS_PART:
-        doubts.append((DOUBTFUL, f"{100.0 * left[1]:.0f} % of the torque is noise"))
+    doubts = list(doubts_of(best, left, known))
+    if not left.unexplained and left.part > LIMITS[left.of].useless:
+        doubts.append((DOUBTFUL, f"{100.0 * left.part:.0f} % of the torque is noise"))
     if not has_geometry:
         doubts.append((DOUBTFUL, "the load by the links is approximated: give the arm's geometry"))
-    return ArmJointFit(
+    return Fitted(
         values,
         errors,
         undetermined,
+        {name: unit_of(name, arm.own.units) for name in values},
+        Verdict.of(doubts),
+        [*findings_of([arm.own]), *about],
         tuple(map(name_of, best.unknowns.keys)),
         covariance,
-        *Verdict.of(doubts),
-        [*findings_of([arm.own]), *about],
-        left[1],
-        arm.own,
+        left,
+        (arm.own,),
+        best,
+        None,
     )
 
 

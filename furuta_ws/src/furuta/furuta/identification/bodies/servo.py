@@ -10,22 +10,23 @@ of the servo.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import numpy as np
 
 from furuta.identification.axis.averaging import explained_by, few, mixture_errors
 from furuta.identification.axis.motion import AxisModel, next_slide
-from furuta.identification.axis.segments import segmented, smoothed
+from furuta.identification.axis.segments import forced_motion, segmented, smoothed
 from furuta.identification.bodies.axis import NOTHING, model_of
 from furuta.identification.bodies.body import Differentiated, Segments
+from furuta.identification.fitted import Fitted, doubts_of, natural, reported
 from furuta.identification.least_squares import Fit, Problem, evaluated, fit, projection
-from furuta.identification.selection import chance_of
-from furuta.identification.unknowns import Unknown, Unknowns, Values
-from furuta.identification.verdict import DOUBTFUL, Verdict
+from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, name_of
+from furuta.identification.verdict import Residual, Verdict
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
+from furuta_model.state import PHI
 from furuta_recordings.cleaning import cleaned
 from furuta_recordings.recording import Recording, findings_of
 
@@ -40,43 +41,16 @@ LIMITS = np.geomspace(0.1, 1.0, 10)
 # Starts that are fitted, and inertias [s²] that are tried first with the damping of a usual loop.
 TRIED = 3
 INERTIAS = np.geomspace(1e-4, 1e-2, 9)
+# Stiction that is tried first, in the friction of a slide.
+STICTION = (0.0, 0.5)
 # Stiction that is tried, in the friction of a slide, and its Stribeck velocity in a fast speed.
 EXCESSES, AT_ONCE = np.geomspace(0.05, 1.5, 12), 1e-6
 # Unknowns of which every segment with motion informs.
 SURE = ("inertia", "alpha0", "viscous")
-# Largest probability by chance of a value that is reported, and residuals, in the noise of the
-# position, of a fit that explains the recording.
-BY_CHANCE, EXPLAINED = 1e-3, 1.3
+# Names in a report.
+NAMES: dict[Key, str] = {"alpha0": "friction", ("offset", 0): "offset"}
 # Units of what is no position, per stiffness of the loop.
 UNITS = {"inertia": "s²", "viscous": "s", "delay": "s"}
-
-
-class ServoFit(NamedTuple):
-    """Values and standard errors by name, and why others are not determined.
-
-    Units are those of the position, and s.
-
-    ``usable`` is yes or doubtful, with ``reasons``; ``left`` are the residuals in the noise of the
-    position.
-    """
-
-    values: dict[str, float]
-    standard_errors: dict[str, float]
-    undetermined: dict[str, str]
-    usable: str
-    reasons: list[str]
-    findings: list[str]
-    left: float
-    position_unit: str
-
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the values are usable, and why not."""
-        return Verdict(self.usable, self.reasons)
-
-    def unit(self, name: str) -> str:
-        """The unit of a value, per stiffness of the loop."""
-        return UNITS.get(name, self.position_unit)
 
 
 class Servo(Differentiated):
@@ -128,7 +102,7 @@ def _move(
             out[i] = q
 
 
-def identify_servo(recording: Recording) -> ServoFit:
+def identify_servo(recording: Recording) -> Fitted:
     """Fit a servo to a recording whose command is its goal [rad].
 
     Raises:
@@ -146,7 +120,7 @@ def identify_servo(recording: Recording) -> ServoFit:
     free = fit(unlimited, {**best.values, "limit": 2.0 * values["limit"]})
     if explained_by(free.cost, best.cost, free.inflation(SURE)) < np.log(len(LIMITS)):
         best = free
-    return _result(*_averaged(problem._replace(unknowns=best.unknowns), best), ready)
+    return _result(cut, *_averaged(problem._replace(unknowns=best.unknowns), best), ready)
 
 
 def _averaged(problem: Problem, best: Fit) -> tuple[Fit, np.ndarray]:
@@ -186,33 +160,32 @@ def _starts(values: Values) -> Iterator[Values]:
     A loop that is faster than the samples hides its inertia from the regression.
     """
     damped: list[Values] = [{"inertia": each, "viscous": 1.4 * np.sqrt(each)} for each in INERTIAS]
-    for body in (values, *damped):
-        for part in LIMITS:
-            yield {**values, **body, "limit": part * values["limit"]}
+    for body, part, excess in itertools.product((values, *damped), LIMITS, STICTION):
+        more: Values = {"limit": part * values["limit"], "alpha1": excess * values["alpha0"]}
+        yield {**values, **body, **more}
 
 
-def _result(best: Fit, covered: np.ndarray, recording: Recording) -> ServoFit:
+def _result(cut: Segments, best: Fit, covered: np.ndarray, recording: Recording) -> Fitted:
     """What is determined, and the verdict."""
-    deviations = best.unknowns.all("size") * np.sqrt(np.diag(covered))
-    names = {"alpha0": "friction", ("offset", 0): "offset"}
-    values, standard, undetermined = {}, {}, {}
-    for key, error in zip(best.unknowns.keys, map(float, deviations), strict=True):
-        name, value = names.get(key, str(key)), best.values[key]
-        if key == ("offset", 0) or chance_of(best, (key,), covered) < BY_CHANCE:
-            values[name], standard[name] = float(value), error
-        else:
-            undetermined[name] = f"{value:.3g} ± {error:.2g}: not distinguishable from 0"
+    values, errors, undetermined = reported(best, covered, {}, NAMES)
     if "limit" not in best.unknowns.keys:
-        errors = recording.commanded_at(recording.time) - recording.measured[:, 0]
-        largest = float(np.max(np.abs(errors)))
+        late = recording.commanded_at(recording.time) - recording.measured[:, PHI]
+        largest = float(np.max(np.abs(late)))
         undetermined["limit"] = f"the loop does not reach it: at least {largest:.3g}"
-    doubts = []
-    if best.rms > EXPLAINED:
-        why = f"the model leaves {best.rms:.1f} times the noise of the position"
-        doubts.append((DOUBTFUL, f"{why}: something acts that it does not have"))
-    verdict, findings = Verdict.of(doubts), findings_of([recording])
-    return ServoFit(
-        values, standard, undetermined, *verdict, findings, best.rms, recording.units[0]
+    residual = Residual("motion", best.rms, best.rms / float(cut.weight[0, 0]) / forced_motion(cut))
+    return Fitted(
+        values,
+        errors,
+        undetermined,
+        {name: UNITS.get(name, recording.units[0]) for name in values},
+        Verdict.of(doubts_of(best, residual)),
+        findings_of([recording]),
+        tuple(NAMES.get(key, name_of(key)) for key in best.unknowns.keys),
+        natural(best, covered),
+        residual,
+        (recording,),
+        best,
+        Servo(),
     )
 
 

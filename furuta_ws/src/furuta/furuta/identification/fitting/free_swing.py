@@ -22,24 +22,27 @@ with the complete elliptic integral K. The part is the longest run of swings tha
 with friction as a small disturbance and an arm at rest.
 """
 
+from __future__ import annotations
+
 import itertools
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import ellipk
 
 from furuta.identification.errors import noise_of, quantisation_step
+from furuta.identification.estimates import Estimates
 from furuta.identification.model import Prediction
 from furuta.identification.options import Options
 from furuta.identification.preparation.angles import AUTO, DEGREES, RADIANS, in_unit
-from furuta.identification.result.values import verdict
+from furuta.identification.result.values import coloured, verdict
 from furuta.identification.shooting.optimisation import FINE, Optimum, optimise, residual_scale
 from furuta.identification.shooting.unknowns import ParameterValues
 from furuta.identification.uncertainty.covariance import (
     covariance_and_information,
     difference_covariance,
 )
-from furuta.identification.verdict import Verdict
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI, PHI_DOT, THETA, THETA_DOT
 from furuta_recordings.cleaning import cleaned
@@ -99,31 +102,31 @@ class _Swings(NamedTuple):
     arm: np.ndarray
 
 
-class FreeSwing(NamedTuple):
-    """Values and standard errors of ω₀ [rad/s], c [1/s] and f [rad/s²]; and what is predicted."""
+@dataclass(frozen=True, repr=False, eq=False)
+class FreeSwing(Estimates):
+    """The pendulum's own motion, divided by β: ω₀ [rad/s], c [1/s] and f [rad/s²].
 
-    values: dict[str, float]
-    standard_errors: dict[str, float]
-    predictions: list[Prediction]
+    ``predictions`` are what is predicted of the recordings.
+    """
 
-    @property
-    def verdict(self) -> Verdict:
-        """Whether the values are usable, and why not."""
-        return verdict(self.predictions)
+    predictions: list[Prediction] = field(repr=False)
 
-    @property
-    def undetermined(self) -> dict[str, str]:
-        """Nothing: a swing determines all of it."""
-        return {}
+    details = Estimates.details | {"coloured_percent"}
 
-    @property
-    def findings(self) -> list[str]:
-        """How the recordings were interpreted."""
-        return findings_of([prediction.recording for prediction in self.predictions])
+    def _by_name(self) -> dict[str, Any]:
+        """Also the fit of the angle [%]."""
+        runs = {run.recording.name: run for run in self.predictions}
+        return {
+            **super()._by_name(),
+            "fit": {name: run.fits()["pendulum angle"] for name, run in runs.items()},
+            "coloured_percent": {name: coloured(run) for name, run in runs.items()},
+        }
 
-    def unit(self, name: str) -> str:
-        """The unit is in the name."""
-        return ""
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the recordings, measured and fitted; see :meth:`Result.plot`."""
+        from furuta.figures.residual import draw_residuals
+
+        return draw_residuals(self.predictions, [], axes)
 
 
 def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSwing:
@@ -142,7 +145,10 @@ def identify_free_swing(recordings: list[Recording], options: Options) -> FreeSw
         optimum = optimise(ready, UNKNOWNS, values, length, scale, robust=True, tolerance=FINE)
         values, scale = optimum.values, residual_scale(optimum)
     predictions = [Prediction(*pair) for pair in optimum.predictions]
-    return FreeSwing(*_reported(optimum, parts), predictions)
+    findings = findings_of(ready)
+    return FreeSwing(
+        *_reported(optimum, parts), {}, {}, verdict(predictions), findings, predictions
+    )
 
 
 def _with_arm_at_rest(recording: Recording) -> Recording:

@@ -14,7 +14,7 @@ from furuta.identification.uncertainty.identifiability import (
     undetermined,
 )
 from furuta.identification.unknowns import field_of, name_of
-from furuta.identification.verdict import DOUBTFUL, NO, Verdict
+from furuta.identification.verdict import NO, YES, Residual, Verdict
 from furuta_model.linear import linearize
 from furuta_model.pendulum import FurutaPendulum
 from furuta_model.state import PHI_DOT, THETA, THETA_DOT
@@ -35,11 +35,9 @@ UNITS = {
     **dict.fromkeys(("delay", "lag"), "s"),
     **dict.fromkeys(("zero", "tilt_x", "tilt_y"), "rad"),
 }
-# Fit [%] of a joint below which the parameters are meaningless, and below which they are doubtful.
-SMALLEST_FIT, DOUBTFUL_FIT = 50.0, 80.0
 # Part [%] of the residuals' autocorrelations outside the band of white noise from which they are an
-# error of the model, and the fit [%] below which such an error makes the parameters doubtful.
-CLEARLY_COLOURED, DOUBTFUL_COLOURED_FIT = 50.0, 95.0
+# error of the model.
+CLEARLY_COLOURED = 50.0
 # Change of a derived value over that of an unknown's logarithm, as a part of the value, from which
 # it is withheld with an unknown that is at the end of its range.
 LARGEST_EFFECT = 0.1
@@ -193,7 +191,16 @@ def verdict(predictions: Sequence[Prediction]) -> Verdict:
 
 
 def _poor_fits(predictions: Sequence[Prediction]) -> Iterator[tuple[str, str]]:
-    """Joints that are not followed.
+    """Joints that are not followed."""
+    for name, joint, residual in residuals(predictions):
+        if residual.grade != YES:
+            _, *coloured_residuals = residual.of.split(",")
+            why = f"{name}: fit of the {joint} {100.0 * (1.0 - residual.part):.0f} %"
+            yield residual.grade, why + ", coloured residuals" * bool(coloured_residuals)
+
+
+def residuals(predictions: Sequence[Prediction]) -> Iterator[tuple[str, str, Residual]]:
+    """What is left of each recording's joints, which are named.
 
     White residuals have 5 % of their autocorrelations outside the band. More show what the model
     lacks: the standard errors count for that, a noise model would not.
@@ -202,11 +209,10 @@ def _poor_fits(predictions: Sequence[Prediction]) -> Iterator[tuple[str, str]]:
         percent, colours = fits(prediction), coloured(prediction)
         for joint, channels in JOINTS.items():
             known = [name for name in channels if not np.isnan(percent[name])]
-            lasting = bool(known) and colours[known[0]] > CLEARLY_COLOURED
-            if known and percent[known[0]] < (DOUBTFUL_COLOURED_FIT if lasting else DOUBTFUL_FIT):
-                why = f"{prediction.recording.name}: fit of the {joint} {percent[known[0]]:.0f} %"
-                grade = NO if percent[known[0]] < SMALLEST_FIT else DOUBTFUL
-                yield grade, why + ", coloured residuals" * lasting
+            if known:
+                lasting = ", coloured" * (colours[known[0]] > CLEARLY_COLOURED)
+                left = Residual(f"free run{lasting}", np.inf, 1.0 - 0.01 * percent[known[0]])
+                yield prediction.recording.name, joint, left
 
 
 def coloured(prediction: Prediction) -> dict[str, float]:
