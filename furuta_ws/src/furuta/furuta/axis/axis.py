@@ -14,6 +14,7 @@ Units are kg m², rad and N m, or kg, m and N.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +32,8 @@ RELEASED_AT = 20.0
 # A small disturbance, relative to that error, or of the steady motion; difference of motions that
 # are one.
 DISTURBANCE, SAME = 1e-3, 1e-3
+# Motions without end about a reference at rest.
+HUNTING = ("limit_cycle", "irregular")
 # No friction; what a law needs beside α₀ is given.
 NOTHING = Friction(alpha0=0.0, alpha1=0.0)
 
@@ -87,6 +90,37 @@ class Cascade(NamedTuple):
 
 
 Controller = Pid | Cascade
+
+
+class IntegralRule(NamedTuple):
+    """What the integral does beside integrating while the reference rests.
+
+    It rests while the error is below ``dead_band`` [rad]. With ``resets`` its torque becomes that
+    of the known load, 0 without one, where the error changes its sign. While the measured position
+    changes, its torque differs from the load by ``limit`` [N m] at most.
+    """
+
+    dead_band: float = 0.0
+    resets: bool = False
+    limit: float = inf
+
+    def check(self) -> None:
+        """Reject a negative or unknown number."""
+        if not (0.0 <= self.dead_band < inf and self.limit >= 0.0):
+            raise ParameterError(
+                "dead_band must be finite, dead_band and limit at least 0, given "
+                f"{self.dead_band:g} and {self.limit:g}"
+            )
+
+
+NO_RULE = IntegralRule()
+
+
+def without_integral(controller: Controller) -> Controller:
+    """The same gains without integral action."""
+    if isinstance(controller, Cascade):
+        return controller._replace(integral=0.0)
+    return controller._replace(ki=0.0)
 
 
 def servo_joint(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint:

@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import yaml
 
-from furuta.axis.axis import Cascade, Controller, Pid
+from furuta.axis.axis import NO_RULE, Cascade, Controller, IntegralRule, Pid
 from furuta.axis.draws import identified_axis, left_out
 from furuta.axis.servo import POLES, observer_parameters, paper_units
 from furuta.identification.axis.identify import AxisFit
 from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER
 from furuta.settings.parameter_names import parameters_in
-from furuta_model.parameters import ParameterError, number_from_text, shortened, values
+from furuta_model.parameters import ParameterError, build, number_from_text, shortened, values
 from furuta_ros.parameter_files import PARAMETERS, is_of_ros, read_sections
 from furuta_ros.whole_files import whole_file
 
@@ -40,11 +40,12 @@ DIGITS = 6
 
 
 class JointFile(NamedTuple):
-    """What a joint file says of one joint: its parameters by full name, and its controller."""
+    """What a joint file says of one joint: its parameters by full name, its controller and rule."""
 
     joint: str
     parameters: dict[str, Any]
     controller: Controller | None
+    rule: IntegralRule = NO_RULE
 
 
 def joint_parameters(
@@ -73,6 +74,7 @@ def write_joint_file(
     fits: Mapping[str, AxisFit],
     controller: Controller | None = None,
     recommended: str | None = None,
+    rule: IntegralRule = NO_RULE,
 ) -> None:
     """Write identified joints, by name, to a joint file, with a controller if it is known.
 
@@ -91,7 +93,8 @@ def write_joint_file(
         if controller is not None:
             name = type(controller).__name__.lower()
             gains = [*controller[:3], *filter(None, controller[3:])]
-            lines += _section(f"/{space}/{CONTROLLER}", {name: gains}, {})
+            changed = rule._asdict() if rule != NO_RULE else {}
+            lines += _section(f"/{space}/{CONTROLLER}", {name: gains} | changed, {})
     with whole_file(Path(path)) as file:
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -173,12 +176,13 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     parameters = found[f"{space}/{FRICTION_OBSERVER}"]
     gains = found.get(f"{space}/{CONTROLLER}")
     controller = None if gains is None else _controller(path, gains)
+    rule = NO_RULE if gains is None else _rule(path, gains)
     if missing := [each for each in NEEDED if each not in parameters]:
         raise ParameterError(f"{path}: joint {name} has no {', '.join(missing)}")
     for each in parameters:
         if not is_of_ros(each):
             parameters_in(FRICTION_OBSERVER, each)
-    return JointFile(name, parameters, controller)
+    return JointFile(name, parameters, controller, rule)
 
 
 def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:
@@ -193,3 +197,12 @@ def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:
     raise ParameterError(
         f"{path}: the controller must be {allowed}, from 0 on, given {shortened(dict(given))}"
     )
+
+
+def _rule(path: str | Path, given: Mapping[str, Any]) -> IntegralRule:
+    """The rule of the integral in a section of a joint file."""
+    known = {name: given[name] for name in IntegralRule._fields if name in given}
+    try:
+        return build(IntegralRule, known)
+    except ParameterError as error:
+        raise ParameterError(f"{path}: the controller's integral: {error}") from None

@@ -49,7 +49,7 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
             f"{joint.joint} has a controller, which takes its speed from the observer: "
             "axis.inertia must be above 0"
         )
-    design = design_servo(joint.controller or Pid(0.0), parameters)
+    design = design_servo(joint.controller or Pid(0.0), parameters, joint.rule)
     whole = Translation(precision, PREFIX)
     memory = Memory(ServoMemory, "memory", "memory->")
     observer = Memory(JointMemory, "&memory->observer", "memory->observer.")

@@ -7,7 +7,7 @@ from pathlib import Path
 from textwrap import fill
 from typing import Any
 
-from furuta.axis.axis import Axis, Controller
+from furuta.axis.axis import NO_RULE, Axis, Controller, IntegralRule
 from furuta.axis.draws import DRAWS, drawn_axes, identified_axis
 from furuta.axis.joint_file import write_joint_file
 from furuta.identification.axis import identify
@@ -133,6 +133,7 @@ class AxisFit(JointFit):
         path: str | Path,
         controller: Controller | None = None,
         compensation: str | None = None,
+        rule: IntegralRule = NO_RULE,
     ) -> None:
         """Write a joint file: parameters of a friction observer, and the controller.
 
@@ -140,12 +141,13 @@ class AxisFit(JointFit):
             path: The file.
             controller: The gains of the joint, if they are known.
             compensation: The one that suits them; by default ``recommended``.
+            rule: That of the controller's integral.
 
         Raises:
             ParameterError: No friction was found.
         """
         joint = self.found.recordings[0].joint
-        write_joint_file(path, {joint: self.found}, controller, compensation)
+        write_joint_file(path, {joint: self.found}, controller, compensation, rule)
 
     def plot(self, axes: Any = None) -> Any:
         """Draw friction over speed, position and residual; see :meth:`Result.plot`."""

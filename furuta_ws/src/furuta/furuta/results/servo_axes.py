@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from math import pi
+from math import inf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller, servo_joint
-from furuta.axis.compensations import SHORTEST, AxisComparison, Residual
+from furuta.axis.axis import (
+    HUNTING,
+    NO_RULE,
+    Axis,
+    Controller,
+    IntegralRule,
+    servo_joint,
+    without_integral,
+)
+from furuta.axis.compensations import AS_GOOD, COUNTS, SHORTEST, AxisComparison, Residual
+from furuta.axis.cures import HOLDING, Cure, simplest
 from furuta.axis.draws import Consequences, left_out
-from furuta.axis.quiet_gains import COUNTS, HUNTING, QuietGains, gain_rows, stable_gains
+from furuta.axis.gains import gain_rows, per_unit, stable_gains
+from furuta.axis.quiet_gains import QuietGains
+from furuta.axis.joint_file import OF_LOAD
 from furuta.axis.simulation import AxisRecord, simulate_axis
 from furuta.limit_cycles.joint import trace_joint
 from furuta.results.cycles import JointCycle, joint_sentence
@@ -46,7 +57,8 @@ class Study(NamedTuple):
 
     ``motions`` by start, of which the first follows from rest. Of an identified axis, the ``fit``
     and the ``consequences``. A ``comparison`` of compensations unless the motion is unbounded;
-    ``quiet`` gains that end the hunting; a ``proof`` of the limit cycle.
+    ``cures`` of the hunting within a ``tolerance`` [rad]; ``quiet`` gains behind a reference that
+    moves, or of a law with a bristle; a ``proof`` of the limit cycle.
     """
 
     axis: Axis
@@ -58,6 +70,8 @@ class Study(NamedTuple):
     consequences: Consequences | None = None
     comparison: AxisComparison | None = None
     quiet: QuietGains | None = None
+    cures: tuple[Cure, ...] | None = None
+    tolerance: float = inf
     proof: Proof | None = None
 
 
@@ -73,24 +87,49 @@ class AxisStudy(Found):
 
     @property
     def recommended(self) -> str | None:
-        """The simplest of the best compensations; None if no compensation has settled."""
-        best = self._best
-        return best.compensation if best is not None and best.settled else None
+        """The simplest of the best compensations; none if no compensation is worth it."""
+        return None if self._best is None else self._best.compensation
 
     @property
     def still_hunts(self) -> bool:
         """Whether a hunting axis moves by more than two counts with that compensation."""
-        return self.cycle.kind in HUNTING and self._moves
-
-    @property
-    def _moves(self) -> bool:
-        counts, best = self.sampling.counts, self._best
-        least = COUNTS * 2.0 * pi / counts if counts else 0.0
-        return best is not None and best.peak_to_peak_rad > least
+        least = COUNTS * self._count
+        best = self._best
+        return self.cycle.kind in HUNTING and best is not None and best.peak_to_peak_rad > least
 
     @property
     def _best(self) -> Residual | None:
         return self.comparison.recommended if self.comparison is not None else None
+
+    @property
+    def _count(self) -> float:
+        """A count of the encoder [rad], 0 for a perfect one."""
+        return 2.0 * pi / self.sampling.counts if self.sampling.counts else 0.0
+
+    @property
+    def advice(self) -> Cure | Residual | None:
+        """What leaves the smallest error: a cure of the hunting, or else a compensation."""
+        best = self._best if self._best is not None and self._best.worth else None
+        if not self.cures:
+            return best if best is not None and best.error_rad <= self.tolerance else None
+        cure = simplest(self.cures, self._count, self.tolerance)
+        if best is None or self.tolerance < inf:
+            return cure
+        good = max(AS_GOOD * best.error_rad, best.error_rad + self._count)
+        return best if good < cure.error else cure
+
+    @property
+    def advised(self) -> tuple[str, Controller, IntegralRule, str]:
+        """The name of the advice, its gains, the rule of its integral, and its compensation."""
+        match self.advice:
+            case Cure(name, gains, rule):
+                return name, gains, rule, "none"
+            case Residual(compensation=name, integral=False):
+                gains = without_integral(self.controller)
+                return f"compensation {name}, no integral action", gains, HOLDING, name
+            case Residual(compensation=name):
+                return f"compensation {name}", self.controller, NO_RULE, name
+        return "as given", self.controller, NO_RULE, "none"
 
     @property
     def units(self) -> tuple[str, str]:
@@ -126,7 +165,8 @@ class AxisStudy(Found):
             values |= {
                 "compensations": self.comparison.residuals,
                 "still_hunts": self.still_hunts,
-                "ends_hunting": None if self.quiet is None else self.quiet.sentence(),
+                "advice": self.advised[0],
+                "cures": [_cure_row(cure) for cure in self.cures or ()],
                 "gains": self._gains(),
                 **{f"{name}_s": each for name, each in self.sampling._asdict().items()},
             }
@@ -135,68 +175,112 @@ class AxisStudy(Found):
 
     def _gains(self) -> list[dict[str, Any]]:
         quiet = None if self.quiet is None else self.quiet.controller
-        recording = None if self.fit is None else self.fit.found.recordings[0]
-        recorded = ("rad", 1.0) if recording is None else recording.position_unit
-        return gain_rows(self.controller, quiet, self.units, recorded)
+        return gain_rows(self.controller, quiet, self.units, self._recorded)
+
+    @property
+    def _recorded(self) -> tuple[str, float]:
+        """The unit of the recorded position, and its size in that of :attr:`units`."""
+        if self.fit is None:
+            return self.units[0], 1.0
+        return self.fit.found.recordings[0].position_unit
 
     def size(self, position: float) -> str:
-        """A position in words."""
-        unit, _ = self.units
-        return angle(position) if unit == "rad" else f"{position:.3g} {unit}"
+        """A position in words, in the unit of the recording."""
+        unit, size = self._recorded
+        return angle(position) if unit == "rad" else f"{position / size:.3g} {unit}"
 
     def sentence(self) -> str:
-        """How the axis ends, what a recording leaves open, and what helps."""
+        """What to do, how the axis ends without it, and what a recording leaves open."""
         return " ".join(self._sentences())
 
     def _sentences(self) -> Iterable[str]:
         cycle = self.cycle
-        yield joint_sentence(cycle.found, self.size(cycle.peak_to_peak), "The axis")
+        if self.advice is not None:
+            yield self._what_to_do(self.advice)
+        text = joint_sentence(cycle.found, self.size(cycle.peak_to_peak), "The axis")
+        yield text if self.advice is None else f"As it is, t{text[1:]}"
         if cycle.kind == "unbounded":
+            _, size = self._recorded
             stable = stable_gains(self.axis, self.controller)
-            gains = ", or ".join(f"{name} {value:g}" for name, value in stable.items())
+            values = per_unit(self.controller._replace(**stable), size)._asdict()
+            gains = ", or ".join(f"{name} {values[name]:.2g}" for name in stable)
             yield "The gains are unstable even without friction."
-            yield f"Alone would be stable: {gains}." if gains else "No change of one gain helps."
+            yield (
+                f"One of these changes makes it stable: {gains}."
+                if gains
+                else "No change of one gain helps."
+            )
         for start, motion in list(self.motions.items())[1:]:
-            yield f"Started near {NEAR[start]}, it ends otherwise: {motion.kind}."
+            ends = joint_sentence(motion.found, self.size(motion.peak_to_peak), "it")
+            yield f"Started near {NEAR[start]}, {ends}"
         if self.fit is not None and self.consequences is not None:
-            yield f"It {self.consequences.sentence(self.fit.found)}."
-        if self.comparison is not None:
-            yield self._of_best(self.comparison.recommended)
+            yield f"{self.consequences.sentence(self.fit.found)}."
+        if self._best is not None and not self._best.worth:
+            yield "No compensation is worth it here."
         if self.quiet is not None:
-            yield f"What ends the hunting without compensation: {self.quiet.sentence()}."
+            yield f"Without compensation, {self.quiet.sentence()}."
+        if self.cures == ():
+            within = f" within {self.size(self.tolerance)}" if self.tolerance < inf else ""
+            yield (
+                f"Without compensation, nothing that was tried rests{within}, with friction 0.8 to "
+                "1.25 times as large and one sample more of delay."
+            )
 
-    def _of_best(self, best: Residual) -> str:
-        if self.recommended is None:
-            return "No compensation has settled."
-        if best.compensation == "none":
+    def _what_to_do(self, advice: Cure | Residual) -> str:
+        if isinstance(advice, Cure):
+            rests = f"rests within {self.size(advice.error)}, after at most {advice.seconds:.2g} s"
+            if advice.rule == HOLDING:
+                return f"Switch off the integral action: friction then holds the axis; it {rests}."
+            rule = advice.rule
+            parts = [f"pause the integral while the error is below {self.size(rule.dead_band)}"]
+            if rule.resets:
+                parts.append(f"set it to {self._held} where the error changes its sign")
+            if rule.limit < inf:
+                parts.append(f"keep it within ±{rule.limit:.3g} {self.units[1]} while the axis moves")
+            told = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
             return (
-                f"No compensation is best here: the error is at most {self.size(best.error_rad)}."
+                f"{told[0].upper()}{told[1:]}: then it does not push the axis past the reference, "
+                f"which {rests}."
             )
         assert self.comparison is not None
-        without = next(row for row in self.comparison.residuals if row.compensation == "none")
-        hunts = ""
-        if self._moves:
-            moved = self.size(best.peak_to_peak_rad)
-            hunts = f"; it {'still hunts' if self.still_hunts else 'then moves'} by {moved}"
+        without = self.comparison.residuals[0]
+        moved = self.size(advice.peak_to_peak_rad)
+        hunts = f"; it still hunts by {moved}" if self.still_hunts else ""
+        instead = "" if advice.integral else " instead of integral action"
         return (
-            f"The compensation {best.compensation} is best here: the error is at most "
-            f"{self.size(best.error_rad)} instead of {self.size(without.error_rad)}{hunts}."
+            f"Use the compensation {advice.compensation}{instead}: the error is then at most "
+            f"{self.size(advice.error_rad)} instead of {self.size(without.error_rad)}{hunts}."
         )
+
+    @property
+    def _held(self) -> str:
+        """What the integral is set to: 0, or the load of a recording."""
+        loads = {} if self.fit is None else self.fit.found.values
+        return "the torque that holds the load" if any(n in loads for n in OF_LOAD) else "0"
 
     def table(self, values: Mapping[str, Any]) -> str:
         """What was identified, then the compensations, gains and other motions as tables."""
-        position, torque = self.units
+        (position, size), torque = self._recorded, self.units[1]
         counts = f"{self.sampling.counts} counts per turn" if self.sampling.counts else "no encoder"
         rate = f"every {1e3 * self.sampling.sample_time:.4g} ms, {counts}"
 
         def in_units(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
             ends = {"_rad": f" [{position}]", "_nm": f" [{torque}]"}
-            return [{_titled(name, ends): each for name, each in row.items()} for row in rows]
+            return [
+                {
+                    _titled(name, ends): each / size if each and name.endswith("_rad") else each
+                    for name, each in row.items()
+                    if name != "settled"
+                }
+                for row in rows
+            ]
 
+        gains = values.get("gains", [])
         tables = {
+            "ends_hunting": in_units(values.get("cures", [])),
             "compensations": in_units(values["compensations"]),
             "simulated": rate if values["compensations"] else "",
-            "gains": values.get("gains", []),
+            "gains": gains if any(len(row) > 3 for row in gains) else [],
             "other_motions": in_units(values["other_motions"]),
             "left_out": values.get("left_out", []),
             "proof": values.get("proof", {}),
@@ -205,7 +289,7 @@ class AxisStudy(Found):
         return of_fit + values_text(tables)
 
     def write(self, path: str | Path) -> None:
-        """Write a joint file of an identified axis, with its controller and the best compensation.
+        """Write a joint file of an identified axis, with controller and compensation as advised.
 
         Raises:
             ParameterError: The axis was not identified, or has no dry friction.
@@ -214,24 +298,26 @@ class AxisStudy(Found):
             raise ParameterError(
                 "a joint file needs what is identified: study what identify_axis returns"
             )
-        self.fit.write(path, self.controller, self.recommended)
+        _, controller, rule, compensation = self.advised
+        self.fit.write(path, controller, compensation, rule)
 
     def runs(self) -> dict[str, AxisRecord]:
-        """Simulations without and with the best compensation, by name."""
+        """Simulations as given and as advised, by name."""
         cycle = self.cycle
         hunts = cycle.kind == "limit_cycle" and np.isfinite(cycle.period_s)
-        names = dict.fromkeys(("none", self.recommended)) if self.recommended else ()
+        given = "as given", self.controller, NO_RULE, "none"
         return {
             name: simulate_axis(
                 self.axis,
-                self.controller,
+                controller,
                 seconds=max(2.0 * PERIODS * cycle.period_s, SHORTEST) if hunts else SHORTEST,
                 reference=self.speed,
-                compensation=name,
+                compensation=compensation,
+                rule=rule,
                 by_topic=self.fit is not None,
                 **self.sampling._asdict(),
             )
-            for name in names
+            for name, controller, rule, compensation in dict.fromkeys((given, self.advised))
         }
 
     def plot(self, axes: Any = None) -> Any:
@@ -251,6 +337,18 @@ class AxisStudy(Found):
         title = joint_sentence(self.cycle.found, self.size(self.cycle.peak_to_peak), "The axis")
         shown = None if fit is None else (axis_friction(fit.found), axis_followed(fit.found))
         return draw_axis(motion, self.runs(), units, title, shown, axes)
+
+
+def _cure_row(cure: Cure) -> dict[str, Any]:
+    """A cure as a row; a number that it does not have is None."""
+    rule = cure.rule
+    return {
+        "change": cure.name,
+        "dead_band_rad": rule.dead_band or None,
+        "limit_nm": rule.limit if rule.limit < inf else None,
+        "error_rad": cure.error,
+        "rests_after_s": cure.seconds,
+    }
 
 
 def _titled(name: str, ends: Mapping[str, str]) -> str:
