@@ -82,8 +82,8 @@ def study_axis(
         law: Friction law of an identified axis, as :meth:`furuta.results.AxisFit.axis` takes it.
         force: Whether to use an identified axis that is not usable.
         prove: Whether to prove the limit cycle in interval arithmetic, for the law stiction.
-        progress: Gets, one after the other, starts, draws, compensations and changes, each with their
-            number, and yields them.
+        progress: Gets, one after the other, starts, draws, compensations and changes, each with
+            their number, and yields them.
 
     Raises:
         ParameterError: The identified axis is not usable, a number is not allowed, or the cycle

@@ -14,8 +14,7 @@ Units are kg m², rad and N m, or kg, m and N.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import inf
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -24,7 +23,7 @@ from furuta.limit_cycles.linear_loop import BRISTLE, W
 from furuta_model.friction.laws import check_friction
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import About, ParameterError
 from furuta_model.progress import Progress, unseen
 
 # Error at the start, as a multiple of that which friction can hold without integral action.
@@ -93,24 +92,19 @@ Controller = Pid | Cascade
 
 
 class IntegralRule(NamedTuple):
-    """What the integral does beside integrating while the reference rests.
+    """What the integral does beside integrating while the reference rests."""
 
-    It rests while the error is below ``dead_band`` [rad]. With ``resets`` its torque becomes that
-    of the known load, 0 without one, where the error changes its sign. While the measured position
-    changes, its torque differs from the load by ``limit`` [N m] at most.
-    """
-
-    dead_band: float = 0.0
-    resets: bool = False
-    limit: float = inf
-
-    def check(self) -> None:
-        """Reject a negative or unknown number."""
-        if not (0.0 <= self.dead_band < inf and self.limit >= 0.0):
-            raise ParameterError(
-                "dead_band must be finite, dead_band and limit at least 0, given "
-                f"{self.dead_band:g} and {self.limit:g}"
-            )
+    dead_band: Annotated[float, About("measured error below which it pauses", "rad", 0.0)] = 0.0
+    resets: Annotated[
+        bool,
+        About("its torque becomes that of the known load where the error changes its sign"),
+    ] = False
+    limit: Annotated[
+        float,
+        About(
+            "limit of its torque beside the load while the position changes; 0: none", "N m", 0.0
+        ),
+    ] = 0.0
 
 
 NO_RULE = IntegralRule()

@@ -85,7 +85,9 @@ def cures(
         """The longest time [s] until the axis rests, and nearly all others; infinite otherwise."""
         found = seconds(axis, gains, rule, sample_time)
         for level in LEVELS:
-            found = max(found, inf if found == inf else seconds(with_level(axis, level), gains, rule))
+            found = max(
+                found, inf if found == inf else seconds(with_level(axis, level), gains, rule)
+            )
         hunting = 0
         for other in others if found < inf else ():
             after = seconds(other, gains, rule)
@@ -108,7 +110,9 @@ def cures(
     for name in progress(KINDS, len(KINDS)):
         if name in more:
             # A limit is of use only below the dead band that a reset needs without it.
-            below = min((c.error for c in found if name == KINDS[-1] and c.rule.resets), default=inf)
+            below = min(
+                (c.error for c in found if name == KINDS[-1] and c.rule.resets), default=inf
+            )
             rules = [IntegralRule(band, *more[name]) for band in bands if band < below]
             rule, after = _first(rules, lambda rule: longest(controller, rule))
             cure = Cure(name, controller, rule, rule.dead_band, after)

@@ -176,7 +176,7 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     parameters = found[f"{space}/{FRICTION_OBSERVER}"]
     gains = found.get(f"{space}/{CONTROLLER}")
     controller = None if gains is None else _controller(path, gains)
-    rule = NO_RULE if gains is None else _rule(path, gains)
+    rule = build(IntegralRule, {n: v for n, v in (gains or {}).items() if n in NO_RULE._fields})
     if missing := [each for each in NEEDED if each not in parameters]:
         raise ParameterError(f"{path}: joint {name} has no {', '.join(missing)}")
     for each in parameters:
@@ -197,12 +197,3 @@ def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:
     raise ParameterError(
         f"{path}: the controller must be {allowed}, from 0 on, given {shortened(dict(given))}"
     )
-
-
-def _rule(path: str | Path, given: Mapping[str, Any]) -> IntegralRule:
-    """The rule of the integral in a section of a joint file."""
-    known = {name: given[name] for name in IntegralRule._fields if name in given}
-    try:
-        return build(IntegralRule, known)
-    except ParameterError as error:
-        raise ParameterError(f"{path}: the controller's integral: {error}") from None

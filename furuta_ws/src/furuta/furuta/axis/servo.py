@@ -29,7 +29,7 @@ from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.late_drive import LateDrive
 from furuta_model.linear import KalmanParameters
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, validated
 
 # Of the paper's rig: level of friction [V], acceleration by it [rad/s²], size of the poles [1/s].
 LEVEL, ACCELERATION, POLES = 0.21, 9.5, 7.0
@@ -138,9 +138,8 @@ def design_servo(
     controller: Controller, observer: ObserverNodeParameters, rule: IntegralRule = NO_RULE
 ) -> ServoDesign:
     """The controller, with the rule of its integral and the observer of these parameters."""
-    rule.check()
     dt = observer.observer.sample_time
-    return ServoDesign(_feedback(controller), rule, design_joint(observer), dt)
+    return ServoDesign(_feedback(controller), validated(rule), design_joint(observer), dt)
 
 
 def _feedback(controller: Controller) -> Feedback:
@@ -176,7 +175,7 @@ def integral_torque(
         integral = load
     if abs(error) >= rule.dead_band:
         integral += change
-    if moved:
+    if moved and rule.limit > 0.0:
         integral = min(max(integral, load - rule.limit), load + rule.limit)
     return integral
 
@@ -205,17 +204,24 @@ def servo_sample(
         position = memory.observer.estimate[0]
     error, v, f = reference - position, memory.observer.estimate[1], p.feedback
     change = p.dt * (f.integrates_error * error + f.integrates_speed * v)
-    if reference_speed == 0.0:
-        moved, load = position != memory.position, memory.observer.load
-        memory.integral = integral_torque(
-            memory.integral, change, error, memory.error, moved, load, p.rule
-        )
-        if p.rule.resets and f.integrates_error == 0.0:
-            memory.integral = load
+    if p.rule.dead_band > 0.0 or p.rule.resets or p.rule.limit > 0.0:
+        if reference_speed != 0.0:
+            memory.integral += change
+        elif p.rule.resets and f.integrates_error == 0.0:
+            memory.integral = memory.observer.load
+        else:
+            memory.integral = integral_torque(
+                memory.integral,
+                change,
+                error,
+                memory.error,
+                position != memory.position,
+                memory.observer.load,
+                p.rule,
+            )
+        memory.position = position
+        memory.error = error if error != 0.0 else memory.error
     else:
         memory.integral += change
-    memory.position = position
-    if error != 0.0:
-        memory.error = error
     command = f.error * error + f.speed * v + f.reference_speed * reference_speed
     return command + memory.integral + friction

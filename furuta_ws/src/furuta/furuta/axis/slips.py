@@ -32,6 +32,8 @@ STARTS, BEYOND, SUBSTEPS = 10, (1.02, 1.08, 1.15, 1.25, 1.5), 20
 # Most slips, samples of one slide, and seconds until an axis rests. What takes longer rests by
 # chance, if at all.
 SLIPS, SLIDE, LONGEST = 30, 200_000, 300.0
+# Followed times are the longest of the grid's; between its starts an axis may take longer.
+MARGIN = 1.25
 # An error, relative to the largest start, from which an axis does not come back.
 LOST = 5.0
 # Time constant of the derivative in samples, and relative to k_d/k_p, if none is given.
@@ -66,7 +68,7 @@ def rests_after(
     grid = np.sort(np.append(grid, rule.dead_band * np.array(BEYOND)))[::-1]
     # Not on the grid of the encoder.
     sizes = grid + (0.37 + 0.1 * np.arange(len(grid))) % 1.0 * count
-    return float(_longest(sizes, LOST * grid[0], share, loop))
+    return MARGIN * float(_longest(sizes, LOST * grid[0], share, loop))
 
 
 def _filter_time(controller: Controller, sample_time: float) -> float:
@@ -95,7 +97,9 @@ def _longest(sizes: np.ndarray, lost: float, share: float, p: LoopDesign) -> flo
 
 
 @compiled
-def _rests_after(start: float, breaks_away: bool, lost: float, share: float, p: LoopDesign) -> float:
+def _rests_after(
+    start: float, breaks_away: bool, lost: float, share: float, p: LoopDesign
+) -> float:
     """Time [s] until the axis rests; infinite if it does not.
 
     Args:
@@ -116,17 +120,19 @@ def _rests_after(start: float, breaks_away: bool, lost: float, share: float, p: 
         level = forward if start > 0.0 else -backward
         integral = level + f.error * before
         torques[:] = level
+        if abs(before) > p.servo.rule.dead_band:  # at most since it slid the other way
+            seconds = (forward + backward) / (f.integrates_error * abs(before))
     stuck = slid = slips = k = 0
-    while slips < SLIPS and slid < SLIDE and seconds < LONGEST:
+    last_time = seconds + LONGEST
+    while slips < SLIPS and slid < SLIDE and seconds < last_time:
         position = p.position * x[PHI]
         if not abs(position) < lost:
             break
         measured = measured_position(position, p)
-        error, moved = -measured, measured != before
+        error, moved, previous = -measured, measured != before, integral
         speed += share * ((measured - before) / dt - speed)
         before = measured
         change = dt * (f.integrates_error * error + f.integrates_speed * speed)
-        previous = integral
         integral = integral_torque(integral, change, error, last, moved, 0.0, p.servo.rule)
         last = error if error != 0.0 else last
         newest = k % len(torques)
@@ -141,10 +147,9 @@ def _rests_after(start: float, breaks_away: bool, lost: float, share: float, p: 
             law = under_load(p.law, p.load_friction * abs(torque / p.force))
             advance(x, torque / p.force, p.dt, p.substeps, p.body, law)
             continue
-        stuck, slid = stuck + 1, 0
+        stuck, slid, rate = stuck + 1, 0, integral - previous
         if stuck <= len(torques) or abs(f.speed * speed) > FADED * forward:
             continue
-        rate = integral - previous
         if rate == 0.0:
             return seconds
         # The torque changes evenly until it breaks the axis away.

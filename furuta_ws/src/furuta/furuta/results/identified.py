@@ -9,6 +9,7 @@ from typing import Any
 
 from furuta.axis.axis import NO_RULE, Axis, Controller, IntegralRule
 from furuta.axis.draws import DRAWS, drawn_axes, identified_axis
+from furuta.axis.gains import per_unit
 from furuta.axis.joint_file import write_joint_file
 from furuta.identification.axis import identify
 from furuta.identification.axis.friction_curve import axis_followed, axis_friction
@@ -111,6 +112,15 @@ class AxisFit(JointFit):
     def position_unit(self) -> str:
         """The unit of the position: rad or m."""
         return self.found.recordings[0].units[0]
+
+    @property
+    def recorded_unit(self) -> tuple[str, float]:
+        """The unit of the position in the recording, such as mm, and its size [rad or m]."""
+        return self.found.recordings[0].position_unit
+
+    def per_radian(self, controller: Controller) -> Controller:
+        """The controller whose gains are given per recorded unit of the position."""
+        return per_unit(controller, 1.0 / self.recorded_unit[1])
 
     def axis(self, law: str | None = None) -> Axis:
         """The axis, without what belongs to the recording: offset and drift.

@@ -22,8 +22,8 @@ from furuta.axis.compensations import AS_GOOD, COUNTS, SHORTEST, AxisComparison,
 from furuta.axis.cures import HOLDING, Cure, simplest
 from furuta.axis.draws import Consequences, left_out
 from furuta.axis.gains import gain_rows, per_unit, stable_gains
-from furuta.axis.quiet_gains import QuietGains
 from furuta.axis.joint_file import OF_LOAD
+from furuta.axis.quiet_gains import QuietGains
 from furuta.axis.simulation import AxisRecord, simulate_axis
 from furuta.limit_cycles.joint import trace_joint
 from furuta.results.cycles import JointCycle, joint_sentence
@@ -180,9 +180,7 @@ class AxisStudy(Found):
     @property
     def _recorded(self) -> tuple[str, float]:
         """The unit of the recorded position, and its size in that of :attr:`units`."""
-        if self.fit is None:
-            return self.units[0], 1.0
-        return self.fit.found.recordings[0].position_unit
+        return (self.units[0], 1.0) if self.fit is None else self.fit.recorded_unit
 
     def size(self, position: float) -> str:
         """A position in words, in the unit of the recording."""
@@ -203,7 +201,7 @@ class AxisStudy(Found):
             _, size = self._recorded
             stable = stable_gains(self.axis, self.controller)
             values = per_unit(self.controller._replace(**stable), size)._asdict()
-            gains = ", or ".join(f"{name} {values[name]:.2g}" for name in stable)
+            gains = ", or ".join(f"{name} {float(f'{values[name]:.2g}'):g}" for name in stable)
             yield "The gains are unstable even without friction."
             yield (
                 f"One of these changes makes it stable: {gains}."
@@ -235,8 +233,10 @@ class AxisStudy(Found):
             parts = [f"pause the integral while the error is below {self.size(rule.dead_band)}"]
             if rule.resets:
                 parts.append(f"set it to {self._held} where the error changes its sign")
-            if rule.limit < inf:
-                parts.append(f"keep it within ±{rule.limit:.3g} {self.units[1]} while the axis moves")
+            if rule.limit:
+                parts.append(
+                    f"keep it within ±{rule.limit:.3g} {self.units[1]} while the axis moves"
+                )
             told = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
             return (
                 f"{told[0].upper()}{told[1:]}: then it does not push the axis past the reference, "
@@ -345,7 +345,7 @@ def _cure_row(cure: Cure) -> dict[str, Any]:
     return {
         "change": cure.name,
         "dead_band_rad": rule.dead_band or None,
-        "limit_nm": rule.limit if rule.limit < inf else None,
+        "limit_nm": rule.limit or None,
         "error_rad": cure.error,
         "rests_after_s": cure.seconds,
     }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -44,13 +45,13 @@ def command(
     as_json: bool,
     **others: Any,
 ) -> None:
-    """Find the final motion of a servo axis with friction, and which compensation helps.
+    """Find the final motion of a servo axis with friction, and what ends its hunting.
 
     Describe the axis by numbers or by a recording. The final motion is computed exactly: a limit
-    cycle (hunting, stick-slip), rest, steady or unbounded motion. Then each compensation is
-    simulated with the encoder, and the simplest of the best is recommended. For a recording, both
-    are repeated for other axes that may have produced it. Units are N m, rad, kg m² and s, or N, m,
-    kg and s.
+    cycle (hunting, stick-slip), rest, steady or unbounded motion. Then changes of the integral and
+    compensations are tried from all starts, with other friction and a later torque. For a
+    recording, all is repeated for other axes that may have produced it, and positions are in its
+    unit. Otherwise units are N m, rad, kg m² and s, or N, m, kg and s.
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction
     --pid 2 6 0.12
@@ -65,7 +66,9 @@ def command(
     if not records and not is_controlled:
         raise click.UsageError("give the controller: either --pid or --cascade")
     law, save, force = (others[name] for name in ("law", "save", "force"))
-    about = {name: others[name] for name in ("counts", "sample_time", "prove")}
+    about = {name: others[name] for name in ("counts", "sample_time", "delay", "prove")}
+    controller = Cascade(*cascade) if cascade else Pid(*(pid or (0.0,)))
+    tolerance = others["tolerance"] or inf
     if records:
         with with_status("reading", as_json, lines=True) as report:
             fit = _identified(read, records, report, **others)
@@ -76,13 +79,15 @@ def command(
                 fit.write(save)
             return
         axis: Axis | AxisFit = fit
+        controller, tolerance = fit.per_radian(controller), tolerance * fit.recorded_unit[1]
         about |= {"law": law, "force": force}
     else:
         law = law or "stribeck"
         axis = Axis(inertia or 0.0, friction_from_text(friction or "", law), law)
     study = study_axis(
         axis,
-        Cascade(*cascade) if cascade else Pid(*(pid or ())),
+        controller,
+        tolerance=tolerance,
         speed=others["speed"] or 0.0,
         progress=bar("studying the axis", as_json),
         **about,

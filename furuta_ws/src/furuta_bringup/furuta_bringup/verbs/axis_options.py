@@ -110,7 +110,8 @@ controller_options = _together(
         nargs=3,
         metavar="KP KI KD",
         not_with=("--cascade", *IN_ARM, *SERVO),
-        help="PID [N m/rad, N m/(rad s), N m s/rad].",
+        help="PID [N m/rad, N m/(rad s), N m s/rad], per unit of the recorded position, such as "
+        "N m/mm.",
     ),
     option(
         "--cascade",
@@ -118,7 +119,8 @@ controller_options = _together(
         nargs=3,
         metavar="K KV KI",
         not_with=(*IN_ARM, *SERVO),
-        help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].",
+        help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad], per unit of the "
+        "recorded position.",
     ),
     option(
         "--reference-speed",
@@ -140,6 +142,19 @@ controller_options = _together(
         type=FiniteRange(1e-6, 0.1),
         needs=CONTROLLER,
         help="Time between samples [s]; default: that of the recording, or 0.001.",
+    ),
+    option(
+        "--delay",
+        type=FiniteRange(0.0, 1.0),
+        needs=CONTROLLER,
+        help="Time after which a torque acts [s]; default: that of the recording, or 0.",
+    ),
+    option(
+        "--tolerance",
+        type=ABOVE,
+        needs=CONTROLLER,
+        help="Error that is allowed at rest, in the unit of the position; default: the smallest "
+        "that can be had.",
     ),
     option(
         "--prove",
