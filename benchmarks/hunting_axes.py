@@ -11,8 +11,8 @@ Each change that is told runs from 10 starts over two decades, in two of which t
 up the wrong way, with friction 0.8, 1 and 1.25 times as large and with a sample more of delay. It
 is false if one of these 40 runs moves in the second half, or leaves an error above the told one
 after 1.1 times the told time. ``servo`` is the controller of simulation and export, which takes
-its speed from the observer. A compensation is false if the error is more than a fourth above the
-told one.
+its speed from the observer. A compensation is false if
+the error is more than a fourth and half a count above the told one.
 """
 
 import argparse

@@ -14,7 +14,7 @@ LOST = 100.0
 
 
 class Truth(NamedTuple):
-    """A plant [kg m², N m, rad/s]: ``added`` is stiction, which falls at ``velocity``; 0: at once."""
+    """A plant [kg m², N m, rad/s]: ``added`` friction at rest falls at ``velocity``; 0: at once."""
 
     inertia: float
     coulomb: float

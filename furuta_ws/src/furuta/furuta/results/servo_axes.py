@@ -118,10 +118,11 @@ class AxisStudy(Found):
         good = max(AS_GOOD * best.error_rad, best.error_rad + self._count)
         return best if good < cure.error else cure
 
-    @property
-    def advised(self) -> tuple[str, Controller, IntegralRule, str]:
-        """The name of the advice, its gains, the rule of its integral, and its compensation."""
-        match self.advice:
+    def _changed(
+        self, advice: Cure | Residual | None
+    ) -> tuple[str, Controller, IntegralRule, str]:
+        """The name of a change, its gains, the rule of its integral, and its compensation."""
+        match advice:
             case Cure(name, gains, rule):
                 return name, gains, rule, "none"
             case Residual(compensation=name, integral=False):
@@ -165,7 +166,7 @@ class AxisStudy(Found):
             values |= {
                 "compensations": self.comparison.residuals,
                 "still_hunts": self.still_hunts,
-                "advice": self.advised[0],
+                "advice": self._changed(self.advice)[0],
                 "cures": [_cure_row(cure) for cure in self.cures or ()],
                 "gains": self._gains(),
                 **{f"{name}_s": each for name, each in self.sampling._asdict().items()},
@@ -289,7 +290,9 @@ class AxisStudy(Found):
         return of_fit + values_text(tables)
 
     def write(self, path: str | Path) -> None:
-        """Write a joint file of an identified axis, with controller and compensation as advised.
+        """Write a joint file of an identified axis, with its controller and the best compensation.
+
+        If no compensation is worth it, the file has the rule of the integral that is advised.
 
         Raises:
             ParameterError: The axis was not identified, or has no dry friction.
@@ -298,7 +301,8 @@ class AxisStudy(Found):
             raise ParameterError(
                 "a joint file needs what is identified: study what identify_axis returns"
             )
-        _, controller, rule, compensation = self.advised
+        worth = self._best is not None and self._best.worth
+        _, controller, rule, compensation = self._changed(self._best if worth else self.advice)
         self.fit.write(path, controller, compensation, rule)
 
     def runs(self) -> dict[str, AxisRecord]:
@@ -317,7 +321,7 @@ class AxisStudy(Found):
                 by_topic=self.fit is not None,
                 **self.sampling._asdict(),
             )
-            for name, controller, rule, compensation in dict.fromkeys((given, self.advised))
+            for name, controller, rule, compensation in dict.fromkeys((given, self._changed(self.advice)))
         }
 
     def plot(self, axes: Any = None) -> Any:
