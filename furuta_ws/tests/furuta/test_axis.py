@@ -362,7 +362,8 @@ def test_a_study_speaks_and_draws_what_it_found() -> None:
     study = furuta.study_axis(AXIS, PID)
     values, text = study.to_dict(), study.report()
     line = " ".join(text.split())
-    assert line.startswith("Use the compensation recommended instead of integral action: the error")
+    assert line.startswith("Pause the integral while the error is below 0.00383 rad")
+    assert "the compensation recommended instead of integral action leaves at most" in line
     assert "As it is, the axis hunts by 0.144 rad (8.27°) every 4.43 s" in line
     assert "[N m]" in text
     assert values["units"] == {"position": "rad", "torque": "N m"}

@@ -10,7 +10,7 @@ from math import pi
 
 import numpy as np
 
-from furuta.axis.axis import Controller, Pid
+from furuta.axis.axis import Pid
 from furuta.axis.joint_file import JointFile
 from furuta.axis.servo import ServoDesign, ServoMemory, design_servo, servo_sample
 from furuta.export.functions import CFunction, Translation

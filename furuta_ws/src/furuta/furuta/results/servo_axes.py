@@ -18,7 +18,7 @@ from furuta.axis.axis import (
     servo_joint,
     without_integral,
 )
-from furuta.axis.compensations import AS_GOOD, COUNTS, SHORTEST, AxisComparison, Residual
+from furuta.axis.compensations import COUNTS, SHORTEST, AxisComparison, Residual
 from furuta.axis.cures import HOLDING, Cure, simplest
 from furuta.axis.draws import Consequences, left_out
 from furuta.axis.gains import gain_rows, per_unit, stable_gains
@@ -108,19 +108,17 @@ class AxisStudy(Found):
 
     @property
     def advice(self) -> Cure | Residual | None:
-        """What leaves the smallest error: a cure of the hunting, or else a compensation."""
-        best = self._best if self._best is not None and self._best.worth else None
-        if not self.cures:
-            return best if best is not None and best.error_rad <= self.tolerance else None
-        cure = simplest(self.cures, self._count, self.tolerance)
-        if best is None or self.tolerance < inf:
-            return cure
-        good = max(AS_GOOD * best.error_rad, best.error_rad + self._count)
-        return best if good < cure.error else cure
+        """The simplest cure of those that leave the smallest error, or else a compensation.
 
-    def _changed(
-        self, advice: Cure | Residual | None
-    ) -> tuple[str, Controller, IntegralRule, str]:
+        A cure rests from all starts. A compensation is simulated from some, and may end in another
+        motion from others.
+        """
+        best = self._best
+        if self.cures:
+            return simplest(self.cures, self._count, self.tolerance)
+        return best if best and best.worth and best.error_rad <= self.tolerance else None
+
+    def _changed(self, advice: Cure | Residual | None) -> tuple[str, Controller, IntegralRule, str]:
         """The name of a change, its gains, the rule of its integral, and its compensation."""
         match advice:
             case Cure(name, gains, rule):
@@ -214,8 +212,14 @@ class AxisStudy(Found):
             yield f"Started near {NEAR[start]}, {ends}"
         if self.fit is not None and self.consequences is not None:
             yield f"{self.consequences.sentence(self.fit.found)}."
-        if self._best is not None and not self._best.worth:
+        best = self._best
+        if best is not None and not best.worth:
             yield "No compensation is worth it here."
+        elif best is not None and best != self.advice:
+            yield (
+                f"In simulations, the compensation {best.compensation}{_instead(best)} leaves at "
+                f"most {self.size(best.error_rad)}{self._still(best)}."
+            )
         if self.quiet is not None:
             yield f"Without compensation, {self.quiet.sentence()}."
         if self.cures == ():
@@ -245,13 +249,15 @@ class AxisStudy(Found):
             )
         assert self.comparison is not None
         without = self.comparison.residuals[0]
-        moved = self.size(advice.peak_to_peak_rad)
-        hunts = f"; it still hunts by {moved}" if self.still_hunts else ""
-        instead = "" if advice.integral else " instead of integral action"
         return (
-            f"Use the compensation {advice.compensation}{instead}: the error is then at most "
-            f"{self.size(advice.error_rad)} instead of {self.size(without.error_rad)}{hunts}."
+            f"Use the compensation {advice.compensation}{_instead(advice)}: the error is then at "
+            f"most {self.size(advice.error_rad)} instead of {self.size(without.error_rad)}"
+            f"{self._still(advice)}."
         )
+
+    def _still(self, best: Residual) -> str:
+        """By how much the axis hunts with a compensation, if it does."""
+        return f"; it still hunts by {self.size(best.peak_to_peak_rad)}" if self.still_hunts else ""
 
     @property
     def _held(self) -> str:
@@ -321,7 +327,9 @@ class AxisStudy(Found):
                 by_topic=self.fit is not None,
                 **self.sampling._asdict(),
             )
-            for name, controller, rule, compensation in dict.fromkeys((given, self._changed(self.advice)))
+            for name, controller, rule, compensation in dict.fromkeys(
+                (given, self._changed(self.advice))
+            )
         }
 
     def plot(self, axes: Any = None) -> Any:
@@ -341,6 +349,10 @@ class AxisStudy(Found):
         title = joint_sentence(self.cycle.found, self.size(self.cycle.peak_to_peak), "The axis")
         shown = None if fit is None else (axis_friction(fit.found), axis_followed(fit.found))
         return draw_axis(motion, self.runs(), units, title, shown, axes)
+
+
+def _instead(best: Residual) -> str:
+    return "" if best.integral else " instead of integral action"
 
 
 def _cure_row(cure: Cure) -> dict[str, Any]:
