@@ -62,7 +62,7 @@ class Drawn(NamedTuple):
     known: float
 
     @property
-    def count(self) -> float:
+    def resolution(self) -> float:
         """A count [rad]."""
         return 2.0 * pi / self.counts
 
@@ -147,7 +147,7 @@ def runs(
         for k, start in list(enumerate(STARTS))[delay % every :: every]:
             wound = k >= len(STARTS) - WOUND
             push = -np.sign(start) * p.alpha0 if wound else 0.0
-            yield d.truth(level), delay, start * held + 0.37 * d.count, d.load - push, out
+            yield d.truth(level), delay, start * held + 0.37 * d.resolution, d.load - push, out
 
 
 def length(seconds: float) -> float:
@@ -178,7 +178,7 @@ def checked(d: Drawn, gains: Any, rule: IntegralRule, error: float, seconds: flo
     control, found = d.control(gains, rule), []
     for truth, delay, start, integral, out in runs(d, length(seconds)):
         begin = d.known * d.load if control.of_error == 0.0 else integral
-        run(truth, control, d.count, d.sample_time, delay, start, begin, out)
+        run(truth, control, d.resolution, d.sample_time, delay, start, begin, out)
         found.append(judged(d, out, error, seconds))
     return worst(found)
 
@@ -188,9 +188,9 @@ def hunts(d: Drawn) -> bool:
     out, start = np.empty((2, round(SHORTEST / d.sample_time))), 5.0 * d.axis.friction.alpha0
     control = d.control(d.controller, NO_RULE)
     start /= d.controller.stiffness
-    run(d.truth(), control, d.count, d.sample_time, d.delay, start, d.load, out)
+    run(d.truth(), control, d.resolution, d.sample_time, d.delay, start, d.load, out)
     settled = out[0, out.shape[1] // 2 :]
-    return SMALLEST * d.count < np.ptp(settled) < start
+    return bool(SMALLEST * d.resolution < np.ptp(settled) < start)
 
 
 def as_servo(
@@ -199,7 +199,7 @@ def as_servo(
     """A change or compensation, under the library's controller."""
     units = paper_units(d.axis, gains)
     parameters = observer_parameters(
-        d.axis, units, compensation, d.count, d.sample_time, d.delay * d.sample_time
+        d.axis, units, compensation, d.resolution, d.sample_time, d.delay * d.sample_time
     )
     parameters = parameters._replace(axis=parameters.axis._replace(offset=d.known * d.load))
     design: ServoDesign = design_servo(gains, parameters, rule)
@@ -208,7 +208,7 @@ def as_servo(
     for truth, delay, start, integral, out in runs(d, length(seconds), every):
         memory = new_memory(ServoMemory)
         memory[0]["integral"] = integral
-        run_servo(truth, block(design), memory, d.count, delay, start, out)
+        run_servo(truth, block(design), memory, d.resolution, delay, start, out)
         found.append(judged(d, out, error, seconds))
     return worst(found)
 
@@ -219,7 +219,8 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--number", type=int, default=5, help="of hunting axes")
     asked = parser.parse_args()
-    rows, costs, advised, seed = defaultdict(list), [], 0, asked.first
+    costs: list[float] = []
+    rows, advised, seed = defaultdict(list), 0, asked.first
     while len(costs) < asked.number:
         d = drawn(seed)
         seed += 1
@@ -235,7 +236,7 @@ def main() -> None:
         )
         costs.append(time.process_time() - begin)
         cycle = study.cycle.peak_to_peak
-        print(f"{seed - 1} {d.axis.law} cycle {cycle / d.count:.0f} counts, {costs[-1]:.1f} s")
+        print(f"{seed - 1} {d.axis.law} cycle {cycle / d.resolution:.0f} counts, {costs[-1]:.1f} s")
         advised += study.advice is not None
         for cure in study.cures or ():
             told = cure.error, cure.seconds
@@ -250,7 +251,7 @@ def main() -> None:
             if each.worth and each.compensation == "recommended":
                 gains = d.controller if each.integral else without_integral(d.controller)
                 rule, name = (NO_RULE, "PID") if each.integral else (HOLDING, "PD")
-                most = 1.25 * each.error_rad + 0.5 * d.count
+                most = 1.25 * each.error_rad + 0.5 * d.resolution
                 seen = as_servo(d, gains, rule, "recommended", most, 25.0)
                 seen = seen._replace(false=float(seen.error > most))
                 rows[f"{name} + recommended"].append((d, cycle, each.error_rad, 0.0, seen))
@@ -258,7 +259,8 @@ def main() -> None:
             if found[-1][0] is d:
                 _, _, error, seconds, seen = found[-1]
                 print(
-                    f"  {name:34} told {error / d.count:8.1f} seen {seen.error / d.count:8.1f} "
+                    f"  {name:34} told {error / d.resolution:8.1f} "
+                    f"seen {seen.error / d.resolution:8.1f} "
                     f"after {seconds:7.2f} {seen.seconds:7.2f} s, false {seen.false:.3f}",
                     flush=True,
                 )
@@ -271,7 +273,7 @@ def main() -> None:
     for name, found in rows.items():
         table = np.array(
             [
-                (e / d.count, s.error / d.count, e / cycle, t, s.seconds)
+                (e / d.resolution, s.error / d.resolution, e / cycle, t, s.seconds)
                 for d, cycle, e, t, s in found
             ]
         )

@@ -45,7 +45,7 @@ def test_the_plant_moves_as_the_exact_cycle(study: Any) -> None:
     cycle = furuta.servo_cycle(drawn.axis, drawn.controller._replace(filter_time=0.0))
     out = np.empty((2, round(15.0 * cycle.period_s / 1e-5)))
     control, start = drawn.control(drawn.controller, NO_RULE), cycle.peak_to_peak
-    study.run(drawn.truth(), control, drawn.count, 1e-5, 0, start, 0.0, out)
+    study.run(drawn.truth(), control, drawn.resolution, 1e-5, 0, start, 0.0, out)
     settled = out[0, out.shape[1] // 2 :]
     assert np.ptp(settled) == pytest.approx(cycle.peak_to_peak, rel=0.01)
 
@@ -69,12 +69,12 @@ def test_a_tolerance_lets_the_axis_rest_sooner(study: Any) -> None:
     found = told(drawn)
     best, dead_band = found[0], next(cure for cure in found if cure.name == "dead band")
     allowed = 3.0 * best.error
-    wide = simplest(told(drawn, tolerance=allowed), drawn.count, allowed)
+    wide = simplest(told(drawn, tolerance=allowed), drawn.resolution, allowed)
     assert best.error < wide.error <= allowed
     assert wide.seconds < best.seconds
     assert not any(cure.name == "dead band" for cure in told(drawn, tolerance=allowed))
     allowed = 1.5 * dead_band.error
-    assert simplest(told(drawn, tolerance=allowed), drawn.count, allowed).name == "dead band"
+    assert simplest(told(drawn, tolerance=allowed), drawn.resolution, allowed).name == "dead band"
 
 
 def test_an_axis_that_is_stuck_for_minutes_has_not_settled() -> None:
@@ -100,7 +100,7 @@ def test_exported_c_ends_the_hunting(study: Any, seed: int, tmp_path: Path) -> N
     units = paper_units(drawn.axis, drawn.controller)
     late = drawn.delay * drawn.sample_time
     of_joint = observer_parameters(
-        drawn.axis, units, "none", drawn.count, drawn.sample_time, late
+        drawn.axis, units, "none", drawn.resolution, drawn.sample_time, late
     )._replace(joint="a")
     load_held = of_joint.axis._replace(offset=drawn.known * drawn.load)
     parameters = values(of_joint._replace(axis=load_held))
@@ -116,7 +116,7 @@ def test_exported_c_ends_the_hunting(study: Any, seed: int, tmp_path: Path) -> N
         library = load(directory, directory / "axis.c", CALLS)
         ends.append(_run_c(study, drawn, library, samples, start)[samples // 2 :])
     given, rested = ends
-    assert np.ptp(given) > study.SMALLEST * drawn.count
+    assert np.ptp(given) > study.SMALLEST * drawn.resolution
     assert np.ptp(rested) == 0.0
     assert abs(rested[-1]) <= cure.error
 
@@ -131,7 +131,7 @@ def _run_c(study: Any, drawn: Any, library: Any, samples: int, start: float) -> 
     waiting, truth = [drawn.load] * drawn.delay, drawn.truth()
     for k in range(samples):
         positions[k] = q
-        given[:3] = drawn.count * np.floor(q / drawn.count + 0.5), 0.0, command[0]
+        given[:3] = drawn.resolution * np.floor(q / drawn.resolution + 0.5), 0.0, command[0]
         library.call_step(where, given.ctypes.data, command.ctypes.data)
         waiting.append(float(command[0]))
         q, v = study.moved(q, v, waiting.pop(0), drawn.sample_time, truth)

@@ -56,7 +56,7 @@ def study_axis(
     counts: int | None = None,
     sample_time: float | None = None,
     delay: float | None = None,
-    tolerance: float = math.inf,
+    tolerance: float | None = None,
     law: str | None = None,
     force: bool = False,
     prove: bool = False,
@@ -99,8 +99,9 @@ def study_axis(
         raise ParameterError("law and force belong to an identified axis")
     else:
         known, turn = (SAMPLE_TIME, 0.0), COUNTS
-    if not tolerance > 0.0:
+    if tolerance is not None and not tolerance > 0.0:
         raise ParameterError(f"tolerance must be above 0, given {tolerance:g}")
+    allowed = tolerance or math.inf
     assert isinstance(axis, Axis)
     loop = Sampling(
         turn if counts is None else counts,
@@ -129,8 +130,8 @@ def study_axis(
                 quiet = quiet_gains(axis, controller, speed=speed, **options)
                 study = study._replace(quiet=quiet)
             else:
-                found_cures = cures(axis, controller, tolerance=tolerance, **options)
-                study = study._replace(cures=found_cures, tolerance=tolerance)
+                found_cures = cures(axis, controller, tolerance=allowed, **options)
+                study = study._replace(cures=found_cures, tolerance=allowed)
     if prove:
         from furuta.axis.proof import prove_cycle  # it needs python-flint
 

@@ -78,8 +78,8 @@ def cures(
     """
 
     def seconds(true: Axis, gains: Controller, rule: IntegralRule, late: float = 0.0) -> float:
-        loop = {"counts": counts, "sample_time": sample_time, "delay": delay + late}
-        return rests_after(true, gains, rule, **loop)
+        loop = {"sample_time": sample_time, "delay": delay + late}
+        return rests_after(true, gains, rule, counts=counts, **loop)
 
     def longest(gains: Controller, rule: IntegralRule) -> float:
         """The longest time [s] until the axis rests, and nearly all others; infinite otherwise."""

@@ -231,9 +231,9 @@ class AxisStudy(Found):
 
     def _what_to_do(self, advice: Cure | Residual) -> str:
         if isinstance(advice, Cure):
-            rests = f"rests within {self.size(advice.error)}, after at most {advice.seconds:.2g} s"
+            within = f"within {self.size(advice.error)} after at most {advice.seconds:.3g} s"
             if advice.rule == HOLDING:
-                return f"Switch off the integral action: friction then holds the axis; it {rests}."
+                return f"Switch off the integral action: friction then holds the axis {within}."
             rule = advice.rule
             parts = [f"pause the integral while the error is below {self.size(rule.dead_band)}"]
             if rule.resets:
@@ -244,8 +244,8 @@ class AxisStudy(Found):
                 )
             told = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
             return (
-                f"{told[0].upper()}{told[1:]}: then it does not push the axis past the reference, "
-                f"which {rests}."
+                f"{told[0].upper()}{told[1:]}: it then pushes the axis no longer past the "
+                f"reference, and the axis rests {within}."
             )
         assert self.comparison is not None
         without = self.comparison.residuals[0]
@@ -315,7 +315,7 @@ class AxisStudy(Found):
         """Simulations as given and as advised, by name."""
         cycle = self.cycle
         hunts = cycle.kind == "limit_cycle" and np.isfinite(cycle.period_s)
-        given = "as given", self.controller, NO_RULE, "none"
+        shown = dict.fromkeys((self._changed(None), self._changed(self.advice)))
         return {
             name: simulate_axis(
                 self.axis,
@@ -327,9 +327,7 @@ class AxisStudy(Found):
                 by_topic=self.fit is not None,
                 **self.sampling._asdict(),
             )
-            for name, controller, rule, compensation in dict.fromkeys(
-                (given, self._changed(self.advice))
-            )
+            for name, controller, rule, compensation in shown
         }
 
     def plot(self, axes: Any = None) -> Any:

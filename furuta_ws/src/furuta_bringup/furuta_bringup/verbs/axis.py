@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +67,7 @@ def command(
     law, save, force = (others[name] for name in ("law", "save", "force"))
     about = {name: others[name] for name in ("counts", "sample_time", "delay", "prove")}
     controller = Cascade(*cascade) if cascade else Pid(*(pid or (0.0,)))
-    tolerance = others["tolerance"] or inf
+    tolerance = others["tolerance"]
     if records:
         with with_status("reading", as_json, lines=True) as report:
             fit = _identified(read, records, report, **others)
@@ -79,7 +78,8 @@ def command(
                 fit.write(save)
             return
         axis: Axis | AxisFit = fit
-        controller, tolerance = fit.per_radian(controller), tolerance * fit.recorded_unit[1]
+        controller = fit.per_radian(controller)
+        tolerance = tolerance and tolerance * fit.recorded_unit[1]
         about |= {"law": law, "force": force}
     else:
         law = law or "stribeck"
