@@ -87,8 +87,8 @@ def test_an_axis_that_is_stuck_for_minutes_has_not_settled() -> None:
     assert rests_after(axis, pid, NO_RULE, counts=65536, sample_time=2e-3, delay=0.0) == inf
     study = furuta.study_axis(axis, pid, counts=65536, sample_time=2e-3)
     assert study.comparison.residuals[0].error_rad >= 0.5 * study.cycle.peak_to_peak
-    assert study.advice is not None
-    assert study.advice.worth or study.advice.error < 0.1 * study.cycle.peak_to_peak
+    assert isinstance(study.advice, Cure)
+    assert study.advice.error < 0.25 * study.cycle.peak_to_peak
 
 
 @pytest.mark.parametrize("seed", [2, 4, 6])

@@ -261,9 +261,13 @@ class AxisStudy(Found):
 
     @property
     def _held(self) -> str:
-        """What the integral is set to: 0, or the load of a recording."""
-        loads = {} if self.fit is None else self.fit.found.values
-        return "the torque that holds the load" if any(n in loads for n in OF_LOAD) else "0"
+        """What the integral is set to: 0, or the load of a recording if that is not noise."""
+        found = None if self.fit is None else self.fit.found
+        loaded = found is not None and any(
+            abs(found.values.get(name, 0.0)) > 2.0 * found.standard_errors.get(name, inf)
+            for name in OF_LOAD
+        )
+        return "the torque that holds the load" if loaded else "0"
 
     def table(self, values: Mapping[str, Any]) -> str:
         """What was identified, then the compensations, gains and other motions as tables."""
