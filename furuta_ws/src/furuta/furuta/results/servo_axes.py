@@ -273,7 +273,8 @@ class AxisStudy(Found):
         """What was identified, then the compensations, gains and other motions as tables."""
         (position, size), torque = self._recorded, self.units[1]
         counts = f"{self.sampling.counts} counts per turn" if self.sampling.counts else "no encoder"
-        rate = f"every {1e3 * self.sampling.sample_time:.4g} ms, {counts}"
+        every, late = (1e3 * each for each in self.sampling[1:])
+        rate = f"every {every:.4g} ms, {counts}, torque {late:.3g} to {late + every:.3g} ms late"
 
         def in_units(rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
             ends = {"_rad": f" [{position}]", "_nm": f" [{torque}]"}
