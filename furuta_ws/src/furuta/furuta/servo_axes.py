@@ -10,19 +10,22 @@ import numpy as np
 
 from furuta.axis import axis as axes
 from furuta.axis import simulation
-from furuta.axis.axis import Axis, Cascade, Pid
+from furuta.axis.axis import HUNTING, NO_RULE, Axis, Cascade, IntegralRule, Pid
 from furuta.axis.compensations import compare_on_axis
+from furuta.axis.cures import FEW, cures
 from furuta.axis.draws import COMPARED, consequences
 from furuta.axis.identified_axis import IdentifiedAxis
-from furuta.axis.quiet_gains import FEW, HUNTING, quiet_gains
+from furuta.axis.quiet_gains import quiet_gains
 from furuta.limit_cycles.joint import JointCycle
 from furuta.results.servo_axes import AxisRun, AxisStudy, Sampling, Study
+from furuta_model.friction.laws import find_law
+from furuta_model.friction.lugre import highest_level
 from furuta_model.parameters import ParameterError
 from furuta_model.progress import Progress, unseen
 
 # Time between samples [s] and counts per turn if nothing is known of the drive.
 SAMPLE_TIME, COUNTS = 1e-3, 4096
-# Axes that a recording may come from, for which gains must end the hunting.
+# Axes that a recording may come from, for which a change must end the hunting.
 DRAWS_OF_GAINS = 20
 # Chatter, relative to the level of friction, up to which a compensation suits the gears of a robot.
 QUIET = 0.25
@@ -53,17 +56,18 @@ def study_axis(
     counts: int | None = None,
     sample_time: float | None = None,
     delay: float | None = None,
+    tolerance: float | None = None,
     law: str | None = None,
     force: bool = False,
     prove: bool = False,
     progress: Progress = unseen,
 ) -> AxisStudy:
-    """The final motions of an axis, and which compensation or gains end its hunting.
+    """The final motions of an axis, and which change of its controller ends the hunting.
 
     The motions are exact. Then each compensation is simulated, which knows the axis while its
-    friction is 0.8, 1 and 1.25 times as large, and gains are searched that need none. For an
-    identified axis both are repeated for others that the recording may come from; its friction
-    observer is a node of its own, and its gears must not rattle.
+    friction is 0.8, 1 and 1.25 times as large or the torque a sample later, and rules of the
+    integral are searched that need none. For an identified axis both are repeated for others that
+    the recording may come from; its friction observer is a node of its own.
 
     Args:
         axis: The axis, what :func:`identify` returned, or what :func:`read_joint_file` has of it.
@@ -73,11 +77,13 @@ def study_axis(
             recording, or 4096.
         sample_time: Time between samples [s]; by default that of the recording, or 1 ms.
         delay: Time after which a torque acts [s]; by default that of the recording, or 0.
+        tolerance: Error [rad] that is allowed. Within it the largest dead band is searched, which
+            rests soonest; by default the smallest.
         law: Friction law of an identified axis, as :meth:`furuta.results.AxisFit.axis` takes it.
         force: Whether to use an identified axis that is not usable.
         prove: Whether to prove the limit cycle in interval arithmetic, for the law stiction.
-        progress: Gets, one after the other, starts, draws, compensations and gains, each with their
-            number, and yields them.
+        progress: Gets, one after the other, starts, draws, compensations and changes, each with
+            their number, and yields them.
 
     Raises:
         ParameterError: The identified axis is not usable, a number is not allowed, or the cycle
@@ -93,6 +99,9 @@ def study_axis(
         raise ParameterError("law and force belong to an identified axis")
     else:
         known, turn = (SAMPLE_TIME, 0.0), COUNTS
+    if tolerance is not None and not tolerance > 0.0:
+        raise ParameterError(f"tolerance must be above 0, given {tolerance:g}")
+    allowed = tolerance or math.inf
     assert isinstance(axis, Axis)
     loop = Sampling(
         turn if counts is None else counts,
@@ -104,7 +113,8 @@ def study_axis(
     cycle, options = next(iter(motions.values())), dict[str, Any](speed=speed, progress=progress)
     if fit is not None:
         study = replace(study, consequences=consequences(others, controller, **options))
-        options |= {"by_topic": True, "largest_chatter": QUIET * fit.values.get("alpha0", 0.0)}
+        options["by_topic"] = True
+    options["largest_chatter"] = QUIET * highest_level(axis.friction)
     if cycle.kind != "unbounded":
         study = replace(
             study,
@@ -114,11 +124,13 @@ def study_axis(
         )
         may_hunt = study.consequences is not None and study.consequences.hunts_in > FEW
         if may_hunt or any(motion.kind in HUNTING for motion in motions.values()):
-            others = others[:DRAWS_OF_GAINS]
-            quiet = quiet_gains(
-                axis, controller, speed=speed, others=others, progress=progress, **loop._asdict()
-            )
-            study = replace(study, quiet=quiet)
+            options = loop._asdict() | {"others": others[:DRAWS_OF_GAINS], "progress": progress}
+            if speed or find_law(axis.law).bristle:
+                quiet = quiet_gains(axis, controller, speed=speed, **options)
+                study = replace(study, quiet=quiet)
+            else:
+                found_cures = cures(axis, controller, tolerance=allowed, **options)
+                study = replace(study, cures=found_cures, tolerance=allowed)
     if prove:
         from furuta.axis.proof import prove_cycle  # it needs python-flint
 
@@ -140,6 +152,7 @@ def simulate_axis(
     sample_time: float = SAMPLE_TIME,
     delay: float = 0.0,
     by_topic: bool = False,
+    rule: IntegralRule = NO_RULE,
 ) -> AxisRun:
     """Simulate an axis with encoder, controller and friction compensation.
 
@@ -156,6 +169,7 @@ def simulate_axis(
         sample_time: Time between samples [s].
         delay: Time after which a torque acts [s], rounded to samples.
         by_topic: The friction estimate comes a sample late, as from a node of its own.
+        rule: What the integral of the controller does while the reference rests.
 
     Raises:
         ParameterError: An argument is not allowed, or the loop has no poles.
@@ -171,5 +185,6 @@ def simulate_axis(
         sample_time=sample_time,
         delay=delay,
         by_topic=by_topic,
+        rule=rule,
     )
     return AxisRun(**vars(run))

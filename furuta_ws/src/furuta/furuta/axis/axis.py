@@ -14,7 +14,7 @@ Units are kg m², rad and N m, or kg, m and N.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from furuta.limit_cycles.linear_loop import BRISTLE, W
 from furuta_model.friction.laws import check_friction
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import About, ParameterError
 from furuta_model.progress import Progress, unseen
 
 # Error at the start, as a multiple of that which friction can hold without integral action.
@@ -31,6 +31,8 @@ RELEASED_AT = 20.0
 # A small disturbance, relative to that error, or of the steady motion; difference of motions that
 # are one.
 DISTURBANCE, SAME = 1e-3, 1e-3
+# Motions without end about a reference at rest.
+HUNTING = ("limit_cycle", "irregular")
 # No friction; what a law needs beside α₀ is given.
 NOTHING = Friction(alpha0=0.0, alpha1=0.0)
 
@@ -87,6 +89,32 @@ class Cascade(NamedTuple):
 
 
 Controller = Pid | Cascade
+
+
+class IntegralRule(NamedTuple):
+    """What the integral does beside integrating while the reference rests."""
+
+    dead_band: Annotated[float, About("measured error below which it pauses", "rad", 0.0)] = 0.0
+    resets: Annotated[
+        bool,
+        About("its torque becomes that of the known load where the error changes its sign"),
+    ] = False
+    limit: Annotated[
+        float,
+        About(
+            "limit of its torque beside the load while the position changes; 0: none", "N m", 0.0
+        ),
+    ] = 0.0
+
+
+NO_RULE = IntegralRule()
+
+
+def without_integral(controller: Controller) -> Controller:
+    """The same gains without integral action."""
+    if isinstance(controller, Cascade):
+        return controller._replace(integral=0.0)
+    return controller._replace(ki=0.0)
 
 
 def servo_joint(axis: Axis, controller: Controller, speed: float = 0.0) -> Joint:

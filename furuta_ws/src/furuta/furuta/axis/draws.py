@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import NOTHING, Axis, Controller, servo_cycle
+from furuta.axis.axis import HUNTING, NOTHING, Axis, Controller, servo_cycle
 from furuta.axis.identified_axis import DRAWS, IdentifiedAxis
 from furuta.identification.axis.effects import FALL
 from furuta_model.friction.laws import LAWS, find_law
@@ -19,7 +19,6 @@ from furuta_model.progress import Progress, unseen
 COMPARED = 4
 # Fraction of draws below which, or above one minus which, the recording tells whether it hunts.
 DECIDED = 0.05
-HUNTING = ("limit_cycle", "irregular")
 
 
 class Consequences(NamedTuple):
@@ -42,10 +41,13 @@ class Consequences(NamedTuple):
 
     def sentence(self, fit: IdentifiedAxis) -> str:
         """The consequences in words, and which recording would settle what is open."""
-        unit = fit.position_unit
-        text = f"hunts in {self.hunting} of {self.draws} draws"
+        unit, size = fit.recorded_unit
+        of = f"of the {self.draws} axes that fit the recording"
+        text = f"{self.hunting or 'None'} {of} {'hunt' if self.hunting != 1 else 'hunts'}"
+        if self.hunting == self.draws:
+            text = f"All {self.draws} axes that fit the recording hunt"
         if self.hunting:
-            text += f", {self.low_rad:.3g} to {self.high_rad:.3g} {unit}"
+            text += f", by {self.low_rad / size:.3g} to {self.high_rad / size:.3g} {unit}"
         if self.is_decided:
             return text
         level = fit.values.get("alpha0", 0.0) + fit.hidden
@@ -82,7 +84,7 @@ def drawn_axes(fit: IdentifiedAxis, draws: int = DRAWS, seed: int = 0) -> list[A
     was found is not certain either: with half of the axes it is over at once.
 
     Args:
-        fit: What ``identify_axis`` found.
+        fit: What ``identify`` found.
         draws: Number of axes.
         seed: Of the random numbers.
     """

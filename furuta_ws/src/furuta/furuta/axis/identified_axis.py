@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller
+from furuta.axis.axis import NO_RULE, Axis, Controller, IntegralRule
+from furuta.axis.gains import per_unit
 from furuta.identification.estimates import Estimates
 from furuta.identification.verdict import GRADES, Verdict
 from furuta_model.parameters import ParameterError
@@ -66,11 +67,16 @@ class IdentifiedAxis(Estimates):
 
         return drawn_axes(self, number, seed)
 
+    def per_radian(self, controller: Controller) -> Controller:
+        """The controller whose gains are given per recorded unit of the position."""
+        return per_unit(controller, 1.0 / self.recorded_unit[1])
+
     def write(
         self,
         path: str | Path,
         controller: Controller | None = None,
         compensation: str | None = None,
+        rule: IntegralRule = NO_RULE,
     ) -> None:
         """Write a joint file: parameters of a friction observer, and the controller.
 
@@ -78,13 +84,14 @@ class IdentifiedAxis(Estimates):
             path: The file.
             controller: The gains of the joint, if they are known.
             compensation: The one that suits them; by default ``recommended``.
+            rule: That of the controller's integral.
 
         Raises:
             ParameterError: No friction was found.
         """
         from furuta.axis.joint_file import write_joint_file
 
-        write_joint_file(path, {self.joint: self}, controller, compensation)
+        write_joint_file(path, {self.joint: self}, controller, compensation, rule)
 
     def kept(self) -> dict[str, Any]:
         """Everything as parameters of a ROS node: numbers, text and lists of them."""

@@ -15,13 +15,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import yaml
 
-from furuta.axis.axis import Cascade, Controller, Pid
+from furuta.axis.axis import NO_RULE, Cascade, Controller, IntegralRule, Pid
 from furuta.axis.draws import identified_axis, left_out
 from furuta.axis.identified_axis import IdentifiedAxis
 from furuta.axis.servo import POLES, observer_parameters, paper_units
 from furuta.settings.nodes import CONTROLLER, FRICTION_OBSERVER
 from furuta.settings.parameter_names import parameters_in
-from furuta_model.parameters import ParameterError, number_from_text, shortened, values
+from furuta_model.parameters import ParameterError, build, number_from_text, shortened, values
 from furuta_ros.parameter_files import PARAMETERS, is_of_ros, read_sections
 from furuta_ros.whole_files import whole_file
 
@@ -42,7 +42,7 @@ DIGITS, EXACT = 6, 17
 
 
 class JointFile(NamedTuple):
-    """What a joint file says of one joint: its parameters by full name, and its controller.
+    """What a joint file says of one joint: its parameters by full name, its controller and rule.
 
     ``identified`` is the axis, if the file has it, for :func:`furuta.study_axis`.
     """
@@ -50,6 +50,7 @@ class JointFile(NamedTuple):
     joint: str
     parameters: dict[str, Any]
     controller: Controller | None
+    rule: IntegralRule = NO_RULE
     identified: IdentifiedAxis | None = None
 
     def axis(self) -> IdentifiedAxis:
@@ -99,6 +100,7 @@ def write_joint_file(
     fits: Mapping[str, IdentifiedAxis],
     controller: Controller | None = None,
     recommended: str | None = None,
+    rule: IntegralRule = NO_RULE,
 ) -> None:
     """Write identified joints, by name, to a joint file, with a controller if it is known.
 
@@ -117,7 +119,8 @@ def write_joint_file(
         if controller is not None:
             name = type(controller).__name__.lower()
             gains = [*controller[:3], *filter(None, controller[3:])]
-            lines += _section(f"/{space}/{CONTROLLER}", {name: gains}, {})
+            changed = rule._asdict() if rule != NO_RULE else {}
+            lines += _section(f"/{space}/{CONTROLLER}", {name: gains} | changed, {})
         lines += _section(f"/{space}/{IDENTIFIED}", fit.kept(), {}, EXACT)
     with whole_file(Path(path)) as file:
         file.write_text("\n".join(lines) + "\n", encoding="utf-8")
@@ -201,6 +204,7 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
     parameters = found[f"{space}/{FRICTION_OBSERVER}"]
     gains = found.get(f"{space}/{CONTROLLER}")
     controller = None if gains is None else _controller(path, gains)
+    rule = build(IntegralRule, {n: v for n, v in (gains or {}).items() if n in NO_RULE._fields})
     if missing := [each for each in NEEDED if each not in parameters]:
         raise ParameterError(f"{path}: joint {name} has no {', '.join(missing)}")
     for each in parameters:
@@ -208,7 +212,7 @@ def read_joint_file(path: str | Path, joint: str | None = None) -> JointFile:
             parameters_in(FRICTION_OBSERVER, each)
     kept = found.get(f"{space}/{IDENTIFIED}")
     identified = None if kept is None else IdentifiedAxis.of_kept(kept, f"{path}: joint {name}")
-    return JointFile(name, parameters, controller, identified)
+    return JointFile(name, parameters, controller, rule, identified)
 
 
 def _controller(path: str | Path, given: Mapping[str, Any]) -> Controller:

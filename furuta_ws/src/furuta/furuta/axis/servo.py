@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Cascade, Controller, poles
+from furuta.axis.axis import NO_RULE, Axis, Cascade, Controller, IntegralRule, poles
 from furuta.limit_cycles.joint import Units
 from furuta_friction.compensation import ObserverParameters
 from furuta_friction.joint_observer import (
@@ -29,7 +29,7 @@ from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
 from furuta_model.late_drive import LateDrive
 from furuta_model.linear import KalmanParameters
-from furuta_model.parameters import ParameterError
+from furuta_model.parameters import ParameterError, validated
 
 # Of the paper's rig: level of friction [V], acceleration by it [rad/s²], size of the poles [1/s].
 LEVEL, ACCELERATION, POLES = 0.21, 9.5, 7.0
@@ -43,12 +43,11 @@ PERFECT = 3e-6
 
 
 class Feedback(NamedTuple):
-    """Gains on error, speed, speed of the reference and integral; what the integral integrates."""
+    """Torque per error, speed and speed of the reference, and its rate per error and speed."""
 
     error: float
     speed: float
     reference_speed: float
-    integral: float
     integrates_error: float
     integrates_speed: float
 
@@ -57,15 +56,18 @@ class ServoDesign(NamedTuple):
     """Controller and compensation, in the units of the axis."""
 
     feedback: Feedback
+    rule: IntegralRule
     observer: JointDesign
     dt: float
 
 
 @dataclass
 class ServoMemory:
-    """Integral of the controller, and the observer's memory."""
+    """Torque of the integral, last error and position, and the observer's memory."""
 
     integral: float = 0.0
+    error: float = 0.0
+    position: float = 0.0
     observer: JointMemory = field(default_factory=JointMemory)
 
 
@@ -132,17 +134,50 @@ def observer_parameters(
     )
 
 
-def design_servo(controller: Controller, observer: ObserverNodeParameters) -> ServoDesign:
-    """The controller, with the observer of these parameters."""
-    return ServoDesign(_feedback(controller), design_joint(observer), observer.observer.sample_time)
+def design_servo(
+    controller: Controller, observer: ObserverNodeParameters, rule: IntegralRule = NO_RULE
+) -> ServoDesign:
+    """The controller, with the rule of its integral and the observer of these parameters."""
+    dt = observer.observer.sample_time
+    return ServoDesign(_feedback(controller), validated(rule), design_joint(observer), dt)
 
 
 def _feedback(controller: Controller) -> Feedback:
     if isinstance(controller, Cascade):
         k, speed, integral = controller
-        return Feedback(speed * k, -speed, 0.0, integral, k, -1.0)
+        return Feedback(speed * k, -speed, 0.0, integral * k, -integral)
     kp, ki, kd, _ = controller
-    return Feedback(kp, -kd, kd, ki, 1.0, 0.0)
+    return Feedback(kp, -kd, kd, ki, 0.0)
+
+
+@inlined
+def integral_torque(
+    integral: float,
+    change: float,
+    error: float,
+    last: float,
+    moved: bool,
+    load: float,
+    rule: IntegralRule,
+) -> float:
+    """Torque of the integral [N m] after a sample behind a reference at rest.
+
+    Args:
+        integral: That before.
+        change: What would be added without a rule.
+        error: Measured error [rad].
+        last: The last one that was not 0.
+        moved: Whether the measured position has changed.
+        load: Known torque that holds the axis.
+        rule: The rule.
+    """
+    if rule.resets and error * last < 0.0:
+        integral = load
+    if abs(error) >= rule.dead_band:
+        integral += change
+    if moved and rule.limit > 0.0:
+        integral = min(max(integral, load - rule.limit), load + rule.limit)
+    return integral
 
 
 @inlined
@@ -168,6 +203,25 @@ def servo_sample(
     if isnan(position) and memory.observer.started:
         position = memory.observer.estimate[0]
     error, v, f = reference - position, memory.observer.estimate[1], p.feedback
-    memory.integral += p.dt * (f.integrates_error * error + f.integrates_speed * v)
+    change = p.dt * (f.integrates_error * error + f.integrates_speed * v)
+    if p.rule.dead_band > 0.0 or p.rule.resets or p.rule.limit > 0.0:
+        if reference_speed != 0.0:
+            memory.integral += change
+        elif p.rule.resets and f.integrates_error == 0.0:
+            memory.integral = memory.observer.load
+        else:
+            memory.integral = integral_torque(
+                memory.integral,
+                change,
+                error,
+                memory.error,
+                position != memory.position,
+                memory.observer.load,
+                p.rule,
+            )
+        memory.position = position
+        memory.error = error if error != 0.0 else memory.error
+    else:
+        memory.integral += change
     command = f.error * error + f.speed * v + f.reference_speed * reference_speed
-    return command + f.integral * memory.integral + friction
+    return command + memory.integral + friction

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from furuta.axis.axis import Axis, Controller, check_axis, released
+from furuta.axis.axis import NO_RULE, Axis, Controller, IntegralRule, check_axis, released
 from furuta.axis.servo import (
     ServoDesign,
     ServoMemory,
@@ -84,7 +84,7 @@ def design_loop(
 
 
 @inlined
-def _under_load(law: FrictionLaw, load: float) -> FrictionLaw:
+def under_load(law: FrictionLaw, load: float) -> FrictionLaw:
     """The law with a Coulomb level that is higher by the friction under a load."""
     f = law.parameters
     parameters = Friction(
@@ -99,6 +99,14 @@ def _under_load(law: FrictionLaw, load: float) -> FrictionLaw:
     return FrictionLaw(law.kind, parameters, law.level, law.breakaway, law.bristle, law.springs)
 
 
+@inlined
+def measured_position(position: float, p: LoopDesign) -> float:
+    """A position [rad] as the encoder gives it."""
+    if p.resolution > 0.0:
+        position = p.resolution * np.floor(position / p.resolution + 0.5)
+    return position
+
+
 @compiled
 def run_loop(
     memory: np.ndarray,
@@ -111,9 +119,7 @@ def run_loop(
     x, commands = memory[0].x, np.zeros(len(reference))
     for k in range(len(reference)):
         position = p.position * x[PHI]
-        measured = position
-        if p.resolution > 0.0:
-            measured = p.resolution * np.floor(measured / p.resolution + 0.5)
+        measured = measured_position(position, p)
         friction = memory[0].servo.observer.friction
         sent = commands[k - 1] if k > 0 else 0.0
         commands[k] = servo_sample(
@@ -124,7 +130,7 @@ def run_loop(
         torque = commands[k - p.delay] if k >= p.delay else 0.0
         series[0, k], series[1, k], series[2, k] = position, measured, torque
         force = torque / p.force
-        law = _under_load(p.law, p.load_friction * abs(force))
+        law = under_load(p.law, p.load_friction * abs(force))
         advance(x, force, p.dt, p.substeps, p.body, law)
 
 
@@ -148,7 +154,7 @@ class AxisRecord:
 
     @property
     def recording(self) -> Recording:
-        """What a user would have recorded, for :func:`furuta.identify_axis`."""
+        """What a user would have recorded, for :func:`furuta.identify`."""
         measured = np.full((len(self.time), 4), np.nan)
         measured[:, PHI] = self.measured
         return Recording("simulation", self.time, measured, self.time, self.torque)
@@ -166,8 +172,15 @@ def simulate_axis(
     sample_time: float = 1e-3,
     delay: float = 0.0,
     by_topic: bool = False,
+    rule: IntegralRule = NO_RULE,
+    start: float = 1.0,
+    late: float = 0.0,
 ) -> AxisRecord:
-    """Simulate an axis with encoder, controller and compensation; see :mod:`furuta.servo_axes`."""
+    """Simulate an axis with encoder, controller and compensation; see :mod:`furuta.servo_axes`.
+
+    ``start`` scales the error at the start. The torque is ``late`` [s] beside the ``delay``, which
+    the observer knows.
+    """
     choices = {"compensation": (compensation, COMPENSATIONS), "law": (axis.law, LAWS)}
     for name, (given, known) in choices.items():
         if given not in known:
@@ -185,7 +198,7 @@ def simulate_axis(
     else:
         time = sample_time * np.arange(min(seconds / sample_time, MOST_SAMPLES + 1))
         positions = reference * time
-        offset = 0.0 if reference else float(released(axis, controller, 2)[1])
+        offset = 0.0 if reference else start * float(released(axis, controller, 2)[1])
     usable = positions.ndim == 1 and np.all(np.isfinite(positions))
     if not (usable and 1 < len(positions) <= MOST_SAMPLES):
         raise ParameterError(
@@ -196,8 +209,8 @@ def simulate_axis(
     units = paper_units(axis, controller)
     count = 2.0 * np.pi / counts if counts else 0.0
     observer = observer_parameters(model or axis, units, compensation, count, sample_time, delay)
-    servo = design_servo(controller, observer)
-    design = design_loop(axis, units, count, delay, by_topic, servo)
+    servo = design_servo(controller, observer, rule)
+    design = design_loop(axis, units, count, delay + late, by_topic, servo)
     memory = new_memory(LoopMemory)
     memory[0]["x"][PHI] = (positions[0] - offset) / units.position
     series = np.empty((3, len(positions)))

@@ -10,7 +10,7 @@ from math import pi
 
 import numpy as np
 
-from furuta.axis.axis import Controller, Pid
+from furuta.axis.axis import Pid
 from furuta.axis.joint_file import JointFile
 from furuta.axis.servo import ServoDesign, ServoMemory, design_servo, servo_sample
 from furuta.export.functions import CFunction, Translation
@@ -33,6 +33,8 @@ PREFIX = "axis_"
 SAMPLES, TURNS, FREQUENCY = 500, 0.1, 2.0
 # Position and speed, relative to the reference's.
 LAGGING = 0.9
+# Parameters that a joint of its own does not have, by the beginnings of their names.
+OF_PENDULUM = "model", "viscous", "observer_gain", "joint"
 STEP = "position", "torque", "reference", "reference_speed"
 FRICTION = "position", "speed", "torque", "reference_speed"
 
@@ -49,7 +51,7 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
             f"{joint.joint} has a controller, which takes its speed from the observer: "
             "axis.inertia must be above 0"
         )
-    design = design_servo(joint.controller or Pid(0.0), parameters)
+    design = design_servo(joint.controller or Pid(0.0), parameters, joint.rule)
     whole = Translation(precision, PREFIX)
     memory = Memory(ServoMemory, "memory", "memory->")
     observer = Memory(JointMemory, "&memory->observer", "memory->observer.")
@@ -71,26 +73,33 @@ def axis_files(joint: JointFile, precision: Precision, origin: str) -> dict[str,
     )
     header = filled(
         "axis.h",
-        about=description({"friction_observer": parameters}, origin),
+        about=description({joint.joint: parameters}, origin, OF_PENDULUM, "N m"),
         real=precision.name,
         sample_time=precision.literal(design.dt),
-        structures=structures(whole, ServoMemory),
+        structures=structures(whole, ServoMemory).replace("[V", "[N m"),
         memory=whole.structure_name(ServoMemory),
-        controller=comment(_about(joint.controller)),
+        controller=comment(_about(joint)),
     )
     return {"axis.h": header, "axis.c": source, "axis_test.c": _test_program(design, precision)}
 
 
-def _about(controller: Controller | None) -> str:
-    """What ``axis_step`` computes, with the gains."""
-    if controller is None:
+def _about(joint: JointFile) -> str:
+    """What ``axis_step`` computes, with the gains and the rule of the integral."""
+    if joint.controller is None:
         return "One sample: the friction estimate alone, as the joint file has no controller."
-    kind, named = type(controller).__name__, controller._asdict()
+    kind, named, rule = type(joint.controller).__name__, joint.controller._asdict(), joint.rule
     gains = ", ".join(f"{n} {value:g}" for n, value in named.items() if n != "filter_time")
+    rules = [
+        f"pauses while the error is below {rule.dead_band:g} rad" * bool(rule.dead_band),
+        "becomes the known load where the error changes its sign" * rule.resets,
+        f"differs from the load by {rule.limit:g} N m at most while the axis moves"
+        * bool(rule.limit),
+    ]
+    told = ", ".join(filter(None, rules))
     return (
         f"One sample: the command of the {kind.lower()} controller ({gains}), with the friction "
         "estimate in it. It is not limited. The speed is that of the observer."
-    )
+    ) + (f" While reference_speed is 0, the integral {told}." if told else "")
 
 
 def _unused(names: tuple[str, ...], function: CFunction) -> str:

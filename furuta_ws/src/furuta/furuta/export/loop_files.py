@@ -162,16 +162,24 @@ def parts_of_source(whole: Translation) -> dict[str, str]:
     }
 
 
-def description(groups: Mapping[str, Any], origin: str) -> str:
-    """A comment with all parameters of nodes, their units and meanings."""
+def description(
+    groups: Mapping[str, Any], origin: str, without: tuple[str, ...] = (), force: str = "V"
+) -> str:
+    """A comment with parameters of nodes, their units and meanings.
+
+    Those of the pendulum can be left out by the beginnings of their names; ``force`` is the unit in
+    place of V.
+    """
     lines = [origin]
     for node, group in groups.items():
         lines.append(f"{node}:")
         given = values(group)
         for name, _, _, about in declared(type(group)):  # type: ignore[arg-type]
-            value = given[name]
-            meaning = _meaning(about.meaning, value)
-            lines.append(f"  {name} = {value} {about.unit}".rstrip() + meaning)
+            if without and name.startswith(without):
+                continue
+            value, unit = given[name], about.unit.replace("V", force)
+            meaning = _meaning(about.meaning, value).replace("0 V", f"0 {force}")
+            lines.append(f"  {name} = {value} {unit}".rstrip() + meaning)
     texts = (comment(line)[3:].removesuffix(" */") for line in lines)
     return "/* " + "\n * ".join(texts) + "\n */"
 

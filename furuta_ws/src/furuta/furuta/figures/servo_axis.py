@@ -37,7 +37,7 @@ def draw_axis(
     fit: tuple[FrictionCurve, Followed] | None,
     axes: Any = None,
 ) -> Any:
-    """Draw an exact cycle, the second half of runs by compensation, and what was identified.
+    """Draw an exact cycle, the second half of runs by name, and what was identified.
 
     ``units`` are those of position and torque.
     """
@@ -61,7 +61,7 @@ def draw_axis(
     for (name, run), colour in zip(runs.items(), (REFERENCE, ESTIMATE), strict=False):
         settled = slice(len(run.time) // 2, None)
         time, error = run.time[settled] - run.time[settled.start], run.error[settled]
-        after.plot(time, error, color=colour, label=f"compensation {name}")
+        after.plot(time, error, color=colour, label=name)
     if runs:
         after.margins(y=0.3)
         after.legend()

@@ -47,14 +47,16 @@ BY_NUMBERS, SAVED = ("--inertia",), ("FILE",)
     nargs=3,
     metavar="KP KI KD",
     not_with=("--cascade",),
-    help="PID [N m/rad, N m/(rad s), N m s/rad]; default: the controller of the file.",
+    help="PID [N m/rad, N m/(rad s), N m s/rad], per unit of the recorded position, such as "
+    "N m/mm; default: the controller of the file.",
 )
 @option(
     "--cascade",
     type=GAIN,
     nargs=3,
     metavar="K KV KI",
-    help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad].",
+    help="P for the position [1/s], PI for the speed [N m s/rad, N m/rad], per unit of the "
+    "recorded position.",
 )
 @option(
     "--reference-speed",
@@ -74,6 +76,17 @@ BY_NUMBERS, SAVED = ("--inertia",), ("FILE",)
     "--sample-time",
     type=FiniteRange(1e-6, 0.1),
     help="Time between samples [s]; default: that of the recording, or 0.001.",
+)
+@option(
+    "--delay",
+    type=FiniteRange(0.0, 1.0),
+    help="Time after which a torque acts [s]; default: that of the recording, or 0.",
+)
+@option(
+    "--tolerance",
+    type=ABOVE,
+    help="Error that is allowed at rest, in the unit of the position; default: the smallest that "
+    "can be had.",
 )
 @option(
     "--prove",
@@ -103,13 +116,14 @@ def command(
     as_json: bool,
     **about: Any,
 ) -> None:
-    """Find the final motion of a servo axis with friction, and which compensation helps.
+    """Find the final motion of a servo axis with friction, and what ends its hunting.
 
     Describe the axis by numbers, or give a joint FILE of `identify --body axis --write`. The final
     motion is computed exactly: a limit cycle (hunting, stick-slip), rest, steady or unbounded
-    motion. Then each compensation is simulated with the encoder, and the simplest of the best is
-    recommended. For a joint file, both are repeated for other axes that its recordings may have
-    come from. Units are N m, rad, kg m² and s, or N, m, kg and s.
+    motion. Then changes of the integral and compensations are tried from all starts, with other
+    friction and a later torque. For a joint file, all is repeated for other axes that may have
+    produced its recordings, and positions and gains are in their unit. Otherwise units are N m,
+    rad, kg m² and s, or N, m, kg and s.
 
     Example: furuta axis --inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction
     --pid 2 6 0.12
@@ -125,9 +139,10 @@ def command(
         study = study_axis(axis, given or Pid(0.0), progress=progress, **about)
     else:
         saved = read_joint_file(file, joint)
-        study = study_axis(
-            saved.axis(), given or saved.known(), law=law, force=force, progress=progress, **about
-        )
+        found = saved.axis()
+        about["tolerance"] = about["tolerance"] and about["tolerance"] * found.recorded_unit[1]
+        gains = found.per_radian(given) if given else saved.known()
+        study = study_axis(found, gains, law=law, force=force, progress=progress, **about)
     show(study, as_json, figure)
     if write is not None:
         study.write(write)

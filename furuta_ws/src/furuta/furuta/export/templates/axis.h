@@ -26,7 +26,7 @@ extern "C" {
 void axis_init(axis_memory *memory);
 
 /* Prepare for a sample that does not continue the ones before. What has been learned is kept, and
- * memory->integral, the controller's integral; set it to 0 while commands are not applied. */
+ * memory->integral, the torque of the controller's integral; set it to 0 while commands are not applied. */
 void axis_reset(axis_memory *memory);
 
 @controller@
