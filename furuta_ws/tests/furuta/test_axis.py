@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import furuta
 import furuta.limit_cycles.limit_cycle as engine
-from furuta.axis.axis import Controller, servo_motions
+from furuta.axis.axis import Controller, IntegralRule, servo_motions
 from furuta.axis.compensations import compare_on_axis, residual
 from furuta.axis.cures import cures
 from furuta.axis.friction_text import friction_from_text
@@ -56,7 +56,7 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     assert axis.friction.alpha0 == pytest.approx(FRICTION.alpha0, rel=0.02)
     assert axis.friction.alpha1 == pytest.approx(FRICTION.alpha1, rel=0.05)
     assert fit.resolution == pytest.approx(2.0 * np.pi / 4096, rel=1e-6)
-    path, rule = tmp_path / "joint.yaml", furuta.IntegralRule(0.01, True, 0.07)
+    path, rule = tmp_path / "joint.yaml", IntegralRule(0.01, True, 0.07)
     write_joint_file(path, {"left/elbow": fit}, PID, study.recommended, rule)
     written = furuta.read_joint_file(path)
     assert written.joint == "left/elbow"

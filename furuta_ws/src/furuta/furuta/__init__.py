@@ -23,7 +23,6 @@ from furuta.lazy import public_names
 if TYPE_CHECKING:
     from furuta.axis.axis import Axis as Axis
     from furuta.axis.axis import Cascade as Cascade
-    from furuta.axis.axis import IntegralRule as IntegralRule
     from furuta.axis.axis import Pid as Pid
     from furuta.axis.joint_file import read_joint_file as read_joint_file
     from furuta.bodies import AxisBody as AxisBody
