@@ -57,8 +57,8 @@ IN_PLACE = {
     ),
     "<!-- names of the library -->": table(("", ""), map(library_row, furuta.__all__)),
 }
-# A link to the file of `make page`, which opens in a window of its own.
-PAGE_LINK = re.compile(r"\[(!\[.*?\]\(.*?\)|[^]]*)\]\((?:\.\./)?output/furuta\.html\)")
+# A link to the page in one file, which the site has; it opens in a window of its own.
+PAGE_LINK = re.compile(r"\[(!\[.*?\]\(.*?\)|[^]]*)\]\((?:docs/)?view\.md#without-ros\)")
 
 
 class Group:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import csv
+import gzip
+import json
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -14,9 +16,10 @@ import numpy as np
 import page_designs as designs
 import pytest
 from browser import open_browser
-from one_page import BUNDLER, WEB, build, library
+from one_page import BUNDLER, WEB, built_page, library
 from page_scenes import check_every_scene
 
+from furuta_bringup.page.one_file import one_file
 from furuta_model.parts.disturbances import Pushes
 from furuta_sim.simulation.closed_loop import simulate
 
@@ -44,7 +47,7 @@ SECOND = 1000  # samples
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built page."""
     out = tmp_path_factory.mktemp("page") / "furuta.html"
-    build(out)
+    out.write_text(built_page())
     return out
 
 
@@ -101,6 +104,35 @@ def test_three_js_in_the_package_is_what_the_stage_uses() -> None:
     """Of the version of package.json, with its licence."""
     for name, content in library().items():
         assert (WEB / name).read_text() == content
+
+
+def test_the_page_in_the_package_is_current(page_file: Path) -> None:
+    """Its text and code are the same; its numbers up to what another processor rounds."""
+    data = re.compile(r'(?<=text/plain">)[^<]*')
+    pages = one_file().decode(), page_file.read_text()
+    packed, built = (data.sub("", page) for page in pages)
+    assert packed == built, "python docs/site/one_page.py --package"
+    found = (data.search(page) for page in pages)
+    assert_close(*(json.loads(gzip.decompress(base64.b64decode(f[0]))) for f in found if f))
+
+
+def assert_close(packed: Any, built: Any, key: str = "") -> None:
+    """The same structure and text; numbers, also those in encoded tables, to nine digits."""
+    assert type(packed) is type(built), key
+    if isinstance(packed, dict):
+        assert packed.keys() == built.keys(), key
+        for name in packed:
+            assert_close(packed[name], built[name], name)
+    elif isinstance(packed, list):
+        assert len(packed) == len(built), key
+        for pair in zip(packed, built, strict=True):
+            assert_close(*pair, key)
+    elif key in ("rows", "design"):
+        tables = [np.frombuffer(base64.b64decode(text)) for text in (packed, built)]
+        np.testing.assert_allclose(*tables, rtol=1e-9, atol=1e-9, err_msg=key)
+    else:
+        expected = pytest.approx(built, rel=1e-6) if isinstance(built, float) else built
+        assert packed == expected, key
 
 
 @pytest.mark.parametrize("case", CASES)
