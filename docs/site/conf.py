@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path += map(str, Path(os.environ["VIRTUAL_ENV"]).glob("lib/python*/site-packages"))
 sys.path.append(str(Path(__file__).parent))
 
-from declared_tables import keys_of_rig_files, library_row, parameters_of_nodes, table  # noqa: E402
+from declared_tables import examples, keys_of_rig_files, library_row, parameters_of_nodes, table  # noqa: E402
 
 import furuta  # noqa: E402
 from furuta_bringup import main  # noqa: E402
@@ -55,6 +55,7 @@ IN_PLACE = {
     "<!-- verbs -->": table(
         ("", ""), ((f'<a href="#furuta-{v}">{v}</a>', text) for v, text in main.VERBS.items())
     ),
+    "<!-- examples -->": examples(),
     "<!-- names of the library -->": table(("", ""), map(library_row, furuta.__all__)),
 }
 # A link to the page in one file, which the site has; it opens in a window of its own.

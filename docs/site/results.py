@@ -1,7 +1,7 @@
 """Writes the tables of docs/results.md anew: ``python docs/site/results.py``.
 
-Limit cycles and the table of truths are computed. The demo and the benchmarks are read from
-``output/``: call ``make demo`` and ``make bench`` before. Text, heads and the selection of
+Limit cycles and the table of truths are computed. The benchmarks are read from ``output/``: call
+``make bench`` before. Text, heads and the selection of
 compensations and benchmarks stay as the page has them.
 """
 
@@ -27,13 +27,6 @@ def renewed(page: str, heading: str, rows: Iterable[Iterable[str]]) -> str:
     lines = "".join(f"| {' | '.join(row)} |\n" for row in rows)
     table = re.compile(rf"(^## {heading}\n.*?^\|---.*?\n)(?:\|.*?\n)*", re.DOTALL | re.MULTILINE)
     return table.sub(lambda found: found[1] + lines, page)
-
-
-def demo_rows() -> Iterator[list[str]]:
-    """The runs of the demo: amplitudes, period, command."""
-    keys = ("phi_peak_to_peak_rad", "theta_peak_to_peak_rad", "period_s", "command_rms_v")
-    for run in output("demo/summary.json")["runs"]:
-        yield [run["compensation"], *(number(run[key]) for key in keys)]
 
 
 def cycle_rows() -> Iterator[list[str]]:
@@ -75,10 +68,10 @@ def speed_rows(page: str) -> Iterator[list[str]]:
 
 
 def output(name: str) -> Any:
-    """What ``make demo`` or ``make bench`` has written."""
+    """What ``make bench`` has written."""
     file = ROOT / "output" / name
     if not file.exists():
-        sys.exit(f"error: no {file}: call make demo and make bench before")
+        sys.exit(f"error: no {file}: call make bench before")
     return json.loads(file.read_text())
 
 
@@ -94,7 +87,6 @@ def milliradians(value: float | None) -> str:
 
 if __name__ == "__main__":
     text = PAGE.read_text()
-    text = renewed(text, "The demo", demo_rows())
     text = renewed(text, "Speed", speed_rows(text))
     text = renewed(text, "Predicted and exact limit cycles", cycle_rows())
     PAGE.write_text(renewed(text, "Compensations on truths.*?", truth_rows(text)))
