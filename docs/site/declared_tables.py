@@ -28,7 +28,8 @@ def examples() -> str:
     parts = []
     for file in sorted((ROOT / "examples").glob("*.py")):
         about = file.read_text(encoding="utf-8").split('"""')[1].partition("\n\n")[0]
-        parts += [f"## [{file.stem}](../../examples/{file.name})", " ".join(about.split())]
+        script = f"[{file.name}](../../examples/{file.name})"
+        parts += [f"## {file.stem}", f"{script}: {' '.join(about.split())}"]
         if picture := pictures.get(file.stem):
             parts.append(f"![What {file.stem} draws](../{picture})")
     return "\n\n".join(parts)
