@@ -17,7 +17,7 @@ import page_designs as designs
 import pytest
 from browser import open_browser
 from one_page import BUNDLER, WEB, built_page, library
-from page_scenes import check_every_scene
+from page_scenes import check_every_scene, check_looking_back
 
 from furuta_bringup.page.one_file import one_file
 from furuta_model.parts.disturbances import Pushes
@@ -162,6 +162,16 @@ def test_every_scene_to_its_end(opened: Any, page: Any) -> None:
     assert opened.errors == []
 
 
+def test_looking_back(page: Any) -> None:
+    """Also after a fall: one sees what happened."""
+    page.evaluate("page.state.paused = true; page.enter(4, 1); page.motion.reset()")
+    run(page, 12.0)
+    page.evaluate("page.motion.push(0, 1)")
+    run(page, 3.0)
+    assert page.evaluate("page.motion.fell")
+    check_looking_back(page)
+
+
 def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> None:
     """A shared link shows the same; a wrong one is refused with its reason."""
     shown = browser(page_file.as_uri() + "#scene=2&level=2&compensation=lugre&motor=late")
@@ -212,6 +222,39 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     page.keyboard.press("ArrowDown")
     assert page.locator("fieldset input:focus").count() == 1
     assert page.evaluate("page.state.step") == 2
+
+
+NARROW = [(820, 1180), (1024, 768), (844, 390), (390, 844)]
+
+
+def test_the_chart_of_the_step_is_in_sight(browser: Any, page_file: Path) -> None:
+    """On tablets, old projectors and phones, without scrolling; parameters are folded."""
+    page = browser(page_file.as_uri(), *NARROW[0]).page
+    assert not page.evaluate("document.querySelector('#more').open")
+    for width, height in NARROW:
+        page.set_viewport_size({"width": width, "height": height})
+        box = page.locator("figure.named").bounding_box()
+        assert box["y"] + box["height"] <= height, (width, height)
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+    page.close()
+
+
+def test_in_front_of_people(browser: Any, page_file: Path) -> None:
+    """One chart beside the pendulum, nothing to scroll, words of 22 pixels; keys choose scenes."""
+    shown = browser(page_file.as_uri() + "?present", 1280, 720, color_scheme="dark")
+    page = shown.page
+    for key, chart in (("1", "angles"), ("2", "phase"), ("4", "voltages")):
+        page.keyboard.press(key)
+        (canvas,) = page.locator("figure canvas:visible").all()
+        assert canvas.get_attribute("id") == chart
+        assert canvas.evaluate("(each) => getComputedStyle(each).fontSize") == "22px"
+        assert canvas.bounding_box()["height"] > 250
+        assert page.evaluate("document.documentElement.scrollHeight") == 720
+    words = "#scene h2, .look, fieldset span, .key dt, nav span, figcaption b"
+    size = "(each) => parseFloat(getComputedStyle(each).fontSize)"
+    assert min(each.evaluate(size) for each in page.locator(words).all() if each.is_visible()) >= 22
+    assert shown.serious_violations("body") == []
+    page.close()
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])
