@@ -248,7 +248,9 @@ def test_in_front_of_people(browser: Any, page_file: Path) -> None:
         (canvas,) = page.locator("figure canvas:visible").all()
         assert canvas.get_attribute("id") == chart
         assert canvas.evaluate("(each) => getComputedStyle(each).fontSize") == "22px"
-        assert canvas.bounding_box()["height"] > 250
+        box, stage = canvas.bounding_box(), page.locator("#stage").bounding_box()
+        assert box["height"] > 250
+        assert box["x"] > stage["x"] + stage["width"]
         assert page.evaluate("document.documentElement.scrollHeight") == 720
     words = "#scene h2, .look, fieldset span, .key dt, nav span, figcaption b"
     size = "(each) => parseFloat(getComputedStyle(each).fontSize)"

@@ -31,6 +31,8 @@ export const text = (value, digits) => value.toFixed(digits).replace("-", "−")
 const label = (value) => String(Number(value.toPrecision(6))).replace("-", "−");
 const shown = (value) => (Number.isFinite(value) ? text(value, Math.abs(value) < 10 ? 2 : 1) : "–");
 
+const valued = (value, unit) => `${shown(value)}${unit === "°" ? "" : " "}${unit}`;
+
 // The round limit of an axis that holds a value; it shrinks only where the value has halved, so it does not flicker.
 const limits = {};
 function limit(name, value, least) {
@@ -48,7 +50,7 @@ function showNames(canvas, curves, at) {
   for (const name of caption.querySelectorAll("b")) {
     const curve = curves.find(({ colour: own, y }) => own === name.dataset.curve && y.some(Number.isFinite));
     name.hidden = !curve || (at && !curve.symbol);
-    if (curve) name.dataset.value = at && curve.symbol ? `${curve.symbol} ${shown(curve.y[at.i])} ${curve.unit}` : "";
+    if (curve) name.dataset.value = at && curve.symbol ? `${curve.symbol} ${valued(curve.y[at.i], curve.unit)}` : "";
   }
   caption.dataset.at = at ? at.words : "";
 }
@@ -100,7 +102,6 @@ export function chart(id, curves, { across, least, axes, dot, cursor, at }) {
   const marks = ticks(from, to, width < 18 * size ? 2 : 5);
   for (const v of marks) write(label(v), "center", Math.min(x(v), width - 1.1 * size), height - below + 0.8 * size);
   write(axes[1], "left", 4, 0.65 * size);
-  write(axes[0], "right", width - right, height - 0.65 * size);
   c.save();
   c.beginPath();
   c.rect(left, 0, width - left, height - below + 2);
@@ -126,11 +127,14 @@ export function chart(id, curves, { across, least, axes, dot, cursor, at }) {
   };
   if (dot) point(dot.colour, x(dot.x), y(dot.y));
   c.restore();
-  const valued = curves.filter(({ symbol, y: values }) => symbol && values.some(Number.isFinite)), [first] = valued;
+  const named = curves.filter(({ symbol, y: values }) => symbol && values.some(Number.isFinite)), [first] = named;
   const under = first && cursor ? nearest(first, (a, b) => [x(a), y(b)], cursor, overTime) : -1, i = at ?? under;
-  showNames(canvas, curves, first && i >= 0 && { i, words: `${first.across} ${shown(first.x[i])} ${first.unitAcross}` });
-  if (!first || i < 0) return null;
-  for (const curve of valued) point(curve.colour, x(curve.x[i]), y(curve.y[i]));
+  const isMarked = first && i >= 0, words = isMarked ? `${first.across} ${valued(first.x[i], first.unitAcross)}` : axes[0];
+  c.fillStyle = colour(isMarked ? "ink" : "dim");
+  write(words, "right", width - right, height - 0.65 * size);
+  showNames(canvas, curves, isMarked && { i, words });
+  if (!isMarked) return null;
+  for (const curve of named) point(curve.colour, x(curve.x[i]), y(curve.y[i]));
   if (overTime) {
     c.strokeStyle = colour("faint");
     c.beginPath();
