@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xacro
 import yaml
 from scipy.integrate import solve_ivp
 from urdf_parser_py.urdf import URDF
@@ -43,6 +44,12 @@ def test_joints_have_the_names_of_the_topics() -> None:
     assert {joint.type for joint in robot.joints} == {"continuous"}
     assert robot.get_root() == "left_base_link"
     assert all(link.visuals and link.name.startswith("left_") for link in robot.links)
+
+
+def test_defaults_of_the_file_are_the_papers_rig() -> None:
+    """For those who include it in a robot of their own."""
+    plain = xacro.process_file(str(share("urdf", "furuta.urdf.xacro"))).documentElement
+    assert plain.toprettyxml(indent="  ") in robot_description(Rig())
 
 
 def test_masses_are_those_of_the_data_sheet() -> None:
