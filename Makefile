@@ -52,6 +52,7 @@ docs: page
 		--fresh-env --quiet --fail-on-warning --keep-going . output/site
 	! grep -rEl '<(script|img|iframe|link)[^>]*(src|href)="(https?:)?//|(url\(|@import ).?(https?:)?//' \
 		--include=*.html --include=*.css output/site
+	tools/in_environment python docs/site/links.py output/site
 	$(if $(CHECK),tools/in_environment python docs/site/commands.py --out output/commands.md)
 
 # The closed loop in one file for a browser; the site shows it in the tutorial.

@@ -22,14 +22,14 @@ VERBS = {
 }
 
 
-def result_of(verb: str, folder: str) -> dict[str, object]:
-    """The JSON of a verb, run as on the command line."""
+def output_of(verb: str, folder: str) -> str:
+    """What a verb prints, run as on the command line."""
     furuta_command = shutil.which("furuta", path=str(Path(sys.executable).parent)) or "furuta"
-    command = [furuta_command, *verb.split(), "--json"]
+    command = [furuta_command, *verb.split()]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode:
         sys.exit(f"furuta {verb}: {done.stderr}")
-    return dict(json.loads(done.stdout))
+    return done.stdout
 
 
 print(f"furuta {furuta.__version__} in {Path(furuta.__file__).parent}, Python {sys.version}")
@@ -41,4 +41,5 @@ if result != "0.511 rad, 2.37 s":
     sys.exit(f"the exact periodic motion is {result}")
 with tempfile.TemporaryDirectory() as empty:
     for each, key in VERBS.items():
-        print(f"furuta {each}: {key} {result_of(each, empty)[key]}")
+        print(f"furuta {each}: {key} {json.loads(output_of(f'{each} --json', empty))[key]}")
+    print("furuta page:", output_of("page --no-open", empty))

@@ -18,13 +18,15 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from furuta_bringup.page.one_file import one_file
+
 COURSE = Path(__file__).resolve().parent
 SOURCES = sorted(COURSE.glob("[1-9]_*.md"))
 # Longest time of one cell [s].
 CELL_TIMEOUT = 300
 
-# The page of `make page`; beside the notebooks, because Jupyter serves only what is there.
-PAGE = COURSE.parent / "output" / "furuta.html"
+# The page of `furuta page`; beside the notebooks, because Jupyter serves only what is there.
+PAGE, PAGE_LINK = "furuta.html", "../docs/view.md#without-ros"
 
 _CODE = re.compile(r"^( *)# BEGIN SOLUTION\n.*?^ *# END SOLUTION\n", re.MULTILINE | re.DOTALL)
 _TEXT = re.compile(r"<!-- BEGIN SOLUTION -->\n.*?<!-- END SOLUTION -->", re.DOTALL)
@@ -157,15 +159,14 @@ def _run(notebook: Any, folder: Path, allow_errors: bool = False) -> None:
 def _prepare(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(COURSE / "lab.py", folder)
-    if PAGE.exists():
-        shutil.copy(PAGE, folder)
+    (folder / PAGE).write_bytes(one_file())
 
 
 def _notebook(markdown: str) -> Any:
     import jupytext
     import nbformat
 
-    notebook = jupytext.reads(markdown.replace("../output/furuta.html", PAGE.name), fmt="md")
+    notebook = jupytext.reads(markdown.replace(PAGE_LINK, PAGE), fmt="md")
     kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
     notebook.metadata = nbformat.from_dict({"kernelspec": kernel})
     return notebook

@@ -1,5 +1,7 @@
 """Settings of Sphinx for the documentation site. Its source folder is the repository."""
 
+import base64
+import mimetypes
 import os
 import re
 import sys
@@ -11,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path += map(str, Path(os.environ["VIRTUAL_ENV"]).glob("lib/python*/site-packages"))
 sys.path.append(str(Path(__file__).parent))
 
-from declared_tables import keys_of_rig_files, library_row, parameters_of_nodes, table  # noqa: E402
+from declared_tables import examples, keys_of_rig_files, library_row, parameters_of_nodes, table  # noqa: E402
 
 import furuta  # noqa: E402
 from furuta_bringup import main  # noqa: E402
@@ -40,7 +42,7 @@ html_theme = "furo"
 html_title = "Furuta pendulum"
 html_show_sourcelink = False
 html_copy_source = False
-html_extra_path = ["index.html", "../../output/furuta.html"]
+html_extra_path = ["index.html", "../../output/furuta.html", "../../output/slides.html"]
 # Blocks without a language are shell commands, equations and tables of text.
 highlight_language = "none"
 smartquotes = False  # it would turn the -- of an option into a dash
@@ -55,10 +57,13 @@ IN_PLACE = {
     "<!-- verbs -->": table(
         ("", ""), ((f'<a href="#furuta-{v}">{v}</a>', text) for v, text in main.VERBS.items())
     ),
+    "<!-- examples -->": examples(),
     "<!-- names of the library -->": table(("", ""), map(library_row, furuta.__all__)),
 }
-# A link to the file of `make page`, which opens in a window of its own.
-PAGE_LINK = re.compile(r"\[(!\[.*?\]\(.*?\)|[^]]*)\]\((?:\.\./)?output/furuta\.html\)")
+# A link to the page in one file, which the site has; it opens in a window of its own.
+PAGE_LINK = re.compile(r"\[(!\[.*?\]\(.*?\)|[^]]*)\]\((?:docs/)?view\.md#without-ros\)")
+
+SLIDES = '<a href="../slides.html">slides.html</a>'
 
 
 class Group:
@@ -107,6 +112,7 @@ def complete(app: Any, page: str, source: list[str]) -> None:
         source[0] = source[0].replace(comment, text)
     up = "../" * page.count("/")
     source[0] = PAGE_LINK.sub(rf'<a href="{up}furuta.html" target="_blank">\1</a>', source[0])
+    source[0] = source[0].replace("[slides.html](slides.html)", SLIDES)
     source[0] = unlinked(source[0], Path(ROOT, page).parent, app.env.found_docs)
     if page == root_doc:
         source[0] += navigation(source[0])
@@ -124,8 +130,21 @@ def unlinked(text: str, folder: Path, pages: set[str]) -> str:
     return re.sub(r"\[([^]]*)\]\(([^)#:]+)\)", replaced, text)
 
 
+def slides() -> str:
+    """The slides of the course in one file, with their pictures in it."""
+
+    def embedded(picture: re.Match[str]) -> str:
+        file = ROOT / "course" / picture[1]
+        data = base64.b64encode(file.read_bytes()).decode()
+        return f'src="data:{mimetypes.guess_type(file.name)[0]};base64,{data}"'
+
+    text = (ROOT / "course" / "slides.html").read_text(encoding="utf-8")
+    return re.sub(r'src="(.*?)"', embedded, text)
+
+
 def setup(app: Any) -> None:
-    """Connect the functions above."""
+    """Write the slides, and connect the functions above."""
+    (ROOT / "output" / "slides.html").write_text(slides(), encoding="utf-8")
     for name in furuta.__all__:
         if hasattr(getattr(furuta, name), "_fields"):
             simplify(getattr(furuta, name))

@@ -4,6 +4,8 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from pictures import EXAMPLES, ROOT
+
 import furuta
 from furuta.figures.figure import SYMBOLS
 from furuta.settings.nodes import NODES
@@ -18,6 +20,19 @@ def table(heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
     """A table in Markdown."""
     first, *others = ["| " + " | ".join(map(str, line)) + " |" for line in (heads, *rows)]
     return "\n".join([first, "|" + "---|" * (first.count("|") - 1), *others])
+
+
+def examples() -> str:
+    """What each example says about itself, and the picture that it draws."""
+    pictures = {example: name for name, example in EXAMPLES.items()} | {"nyquist": "nyquist.png"}
+    parts = []
+    for file in sorted((ROOT / "examples").glob("*.py")):
+        about = file.read_text(encoding="utf-8").split('"""')[1].partition("\n\n")[0]
+        script = f"[{file.name}](../../examples/{file.name})"
+        parts += [f"## {file.stem}", f"{script}: {' '.join(about.split())}"]
+        if picture := pictures.get(file.stem):
+            parts.append(f"![What {file.stem} draws](../{picture})")
+    return "\n\n".join(parts)
 
 
 def library_row(name: str) -> tuple[str, str]:

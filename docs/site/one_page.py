@@ -1,7 +1,7 @@
 """Builds the page in one file: ``python docs/site/one_page.py output/furuta.html``.
 
-With ``--library`` it writes what the page uses of three.js into the package, after a change of its
-version or of ``three_parts.js``.
+With ``--package`` it writes the page into the package, and what it uses of three.js: after a change
+of the page, of the closed loop or of the version of three.js.
 """
 
 import base64
@@ -34,6 +34,7 @@ from page_translation import Page, selected, translated
 from furuta.loops import ideal_loop
 from furuta.quantities import QUANTITIES
 from furuta_bringup.page.exact_cycle import described_cycle
+from furuta_bringup.page.one_file import PACKED
 from furuta_friction.compensation import TITLES
 from furuta_hw.emulator.firmware_compiler import run_compiler
 
@@ -210,8 +211,8 @@ def library() -> dict[str, str]:
     return {"three.js": script, "three.LICENSE": licence}
 
 
-def build(out: Path) -> int:
-    """Write the page; return its size in bytes."""
+def built_page() -> str:
+    """The page, HTML with all that it needs."""
     html = (WEB / "page.html").read_text(encoding="utf-8")
     script = bundled(WEB / "page.js").replace("</script", "<\\/script")
     style = (WEB / "page.css").read_text(encoding="utf-8")
@@ -222,14 +223,23 @@ def build(out: Path) -> int:
     }.items():
         before, after = html.split(part)
         html = before + content + after
-    out.parent.mkdir(parents=True, exist_ok=True)
-    return out.write_text(html, encoding="utf-8")
+    return html
+
+
+def packed() -> dict[Path, bytes]:
+    """The files of the package that this builds."""
+    scripts = {WEB / name: content.encode() for name, content in library().items()}
+    return scripts | {PACKAGE / PACKED: gzip.compress(built_page().encode(), mtime=0)}
+
+
+def main(target: str) -> None:
+    """Write the page into a file, or into the package."""
+    given = {Path(target): built_page().encode()} if target != "--package" else packed()
+    for path, content in given.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(content)
+        print(f"{path}: {len(content) / 1000:.0f} kB")
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["--library"]:
-        for name, content in library().items():
-            (WEB / name).write_text(content, encoding="utf-8")
-    else:
-        written = build(Path(sys.argv[1]))
-        print(f"{sys.argv[1]}: {written / 1000:.0f} kB")
+    main(*sys.argv[1:])

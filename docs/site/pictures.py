@@ -31,7 +31,14 @@ COMMANDS = {
     "nyquist.png": "linearize --figure-4 --figure OUT",
 }
 # Examples that draw some of the others.
-EXAMPLES = {"fig9.png": "compensations", "friction_curves.png": "friction_laws"}
+EXAMPLES = {
+    "amplitude_over_omega1.png": "amplitude_over_omega1",
+    "axis_hunting.png": "axis_hunting",
+    "fig5.png": "limit_cycle",
+    "fig9.png": "compensations",
+    "friction_curves.png": "friction_laws",
+    "random_rigs.png": "random_rigs",
+}
 SECONDS = 8.0  # of the swing-up
 
 

@@ -1,7 +1,7 @@
 """Writes the tables of docs/results.md anew: ``python docs/site/results.py``.
 
-Limit cycles and the table of truths are computed. The demo and the benchmarks are read from
-``output/``: call ``make demo`` and ``make bench`` before. Text, heads and the selection of
+Limit cycles and the table of truths are computed. The benchmarks are read from ``output/``: call
+``make bench`` before. Text, heads and the selection of
 compensations and benchmarks stay as the page has them.
 """
 
@@ -18,8 +18,6 @@ import furuta
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "results.md"
 LAWS = ("coulomb", "stiction", "stribeck", "lugre", "dahl")
-# Feedback u = l·x of Fig. 4 a.
-FIGURE_4A = (10.0, 4.0, 60.0, 20.0)
 
 
 def renewed(page: str, heading: str, rows: Iterable[Iterable[str]]) -> str:
@@ -29,30 +27,22 @@ def renewed(page: str, heading: str, rows: Iterable[Iterable[str]]) -> str:
     return table.sub(lambda found: found[1] + lines, page)
 
 
-def demo_rows() -> Iterator[list[str]]:
-    """The runs of the demo: amplitudes, period, command."""
-    keys = ("phi_peak_to_peak_rad", "theta_peak_to_peak_rad", "period_s", "command_rms_v")
-    for run in output("demo/summary.json")["runs"]:
-        yield [run["compensation"], *(number(run[key]) for key in keys)]
-
-
 def cycle_rows() -> Iterator[list[str]]:
-    """Exact and predicted limit cycles of every law, for two feedbacks."""
-    for name, feedback in (("controller's gain", None), ("Fig. 4 a", FIGURE_4A)):
-        for law in LAWS:
-            cycle = furuta.limit_cycle(law=law, feedback=feedback)
-            (predicted,) = furuta.predict_cycles(law=law, feedback=feedback).cycles
-            amplitudes = (
-                predicted.phi_peak_to_peak_rad,
-                cycle.phi_peak_to_peak_rad,
-                cycle.theta_peak_to_peak_rad,
-            )
-            values = map(number, (*amplitudes, cycle.period_s))
-            yield [name, law, *values, f"{cycle.stuck_fraction:.0%}"]
+    """Exact and predicted limit cycles of every law."""
+    for law in LAWS:
+        cycle = furuta.limit_cycle(law=law)
+        (predicted,) = furuta.predict_cycles(law=law).cycles
+        amplitudes = (
+            predicted.phi_peak_to_peak_rad,
+            cycle.phi_peak_to_peak_rad,
+            cycle.theta_peak_to_peak_rad,
+        )
+        values = map(number, (*amplitudes, cycle.period_s))
+        yield [law, *values, f"{cycle.stuck_fraction:.0%}"]
 
 
 def truth_rows(page: str) -> Iterator[list[str]]:
-    """Residual of the compensations that the page names on each truth, in mrad; best bandwidth."""
+    """Residual of the compensations on the truths that the page names, in mrad; best bandwidth."""
     command = [str(ROOT / "furuta"), "compare", "--truths", "--json"]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
     report = json.loads(done.stdout)
@@ -61,7 +51,10 @@ def truth_rows(page: str) -> Iterator[list[str]]:
     for row in report["rows"]:
         residuals.setdefault(row["rig"], {})[row["candidate"]] = row["phi_peak_to_peak_rad"]
     (names,) = re.findall(r"^\| truth \| (.*) \| best bandwidth \| with it \|$", page, re.MULTILINE)
+    table = page[page.index("| truth |") :]
     for truth, values in residuals.items():
+        if f"\n| {truth} |" not in table:
+            continue
         values["with it"] = best[truth]["residual_at_best_rad"]
         *others, last = (milliradians(values[name]) for name in (*names.split(" | "), "with it"))
         yield [truth, *others, number(best[truth]["best_bandwidth"]), last]
@@ -75,10 +68,10 @@ def speed_rows(page: str) -> Iterator[list[str]]:
 
 
 def output(name: str) -> Any:
-    """What ``make demo`` or ``make bench`` has written."""
+    """What ``make bench`` has written."""
     file = ROOT / "output" / name
     if not file.exists():
-        sys.exit(f"error: no {file}: call make demo and make bench before")
+        sys.exit(f"error: no {file}: call make bench before")
     return json.loads(file.read_text())
 
 
@@ -94,7 +87,6 @@ def milliradians(value: float | None) -> str:
 
 if __name__ == "__main__":
     text = PAGE.read_text()
-    text = renewed(text, "The demo", demo_rows())
     text = renewed(text, "Speed", speed_rows(text))
     text = renewed(text, "Predicted and exact limit cycles", cycle_rows())
     PAGE.write_text(renewed(text, "Compensations on truths.*?", truth_rows(text)))

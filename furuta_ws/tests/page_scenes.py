@@ -23,6 +23,46 @@ SEEN = """() => { page.tell(); const { rows } = page.motion, end = rows.at(-1)[0
         cosine: Math.cos(page.source.now[3]) }; }"""
 
 
+# What is shown while the page looks back: the row of that moment beside it, and how it is told.
+PAST = """() => { const { motion } = page, of = (selector) => document.querySelector(selector);
+    page.tell(); page.drawing.drawAll();
+    const charts = [...document.querySelectorAll("figcaption")].map(({ dataset }) => dataset.at);
+    return { row: motion.moment, ago: motion.time - (motion.moment?.[0] ?? NaN), charts,
+        pose: motion.pose, end: motion.rows.at(-1)[0], phi: of("#now-phi").textContent,
+        told: of("#past").hidden ? "" : of("#past").innerText }; }"""
+
+
+def check_looking_back(page: Any) -> None:
+    """A drag over the chart of the angles shows that moment everywhere; Escape comes back.
+
+    The motion of the page is at least 10 s old. Meanwhile no row comes.
+    """
+    box = page.locator("#angles").bounding_box()
+    middle = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + 0.8 * box["width"], middle)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.5 * box["width"], middle, steps=5)
+    page.mouse.up()
+    past = page.evaluate(PAST)
+    left, right = 3.6 * 11, 8  # pixels beside the curves
+    expected = 10 * (1 - (0.5 * box["width"] - left) / (box["width"] - left - right))
+    assert past["ago"] == pytest.approx(expected, abs=0.1)
+    assert past["pose"] == [past["row"][1], past["row"][3]]
+    shown = f"{np.rad2deg(past['row'][1]):.1f}°".replace("-", "−")
+    assert past["phi"].replace("−0.0°", "0.0°") == shown.replace("−0.0°", "0.0°")
+    assert past["told"].startswith(f"{past['ago']:.2f} s ago")
+    assert past["charts"][:2] == [f"t −{past['ago']:.2f} s"] * 2
+    assert all("φ" in each for each in past["charts"][2:])
+    page.wait_for_timeout(300)
+    assert page.evaluate(PAST)["end"] == past["end"]
+    page.keyboard.press("Escape")
+    page.mouse.move(1, 1)
+    now = page.evaluate(PAST)
+    assert now["row"] is None
+    assert now["told"] == ""
+    assert set(now["charts"]) == {""}
+
+
 def check_every_scene(page: Any, run: Callable[[Any, float], None]) -> None:
     """What is printed is what is measured, and it agrees with what the scenes say.
 

@@ -26,6 +26,10 @@ def misspelt(v: float, p: Any) -> float:
     return level + p.alpha7 * v
 
 
+def silent(v: float, p: Any) -> None:
+    """Returns nothing."""
+
+
 def constant(level: float) -> Any:
     """A law of constant level [V]."""
     return lambda v, p: level
@@ -118,6 +122,8 @@ def test_a_further_function_compiles_nothing_but_itself() -> None:
     ("part", "message"),
     [
         (misspelt, r"misspelt cannot be compiled \(.*test_own_functions.py, line \d+\): .*alpha7"),
+        (silent, r"silent .* must return a number, and returns nothing"),
+        (lambda v: v, r"line \d+\): it takes 1 arguments, and is called with 2"),
         ("bumpy", "one of coulomb, .* or one of own_parts, given 'bumpy'"),
     ],
 )

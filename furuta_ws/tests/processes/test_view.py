@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from browser import Page, open_browser
-from page_scenes import check_every_scene
+from page_scenes import check_every_scene, check_looking_back
 
 pytestmark = pytest.mark.timeout(900)
 SWING = "page.motion.remaining === 0 && page.motion.size * 180 / Math.PI"
@@ -104,6 +104,8 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     """
     process, address = started(processes, "--", "--lockstep")
     page, other = opened(browser, address), opened(browser, address, 390, 844)
+    assert page.page.locator("fieldset input:checked + span").inner_text() == "with friction"
+    assert page.page.locator("fieldset label").count() == 2  # no settings of one's own
     speed = page.page.locator("#speed")
     assert speed.locator("option:checked").inner_text() == "real time"
     speed.select_option("as fast as possible")
@@ -116,6 +118,8 @@ def test_page_shows_and_changes_the_graph(processes: Any, furuta: Any, browser: 
     assert other.page.locator(f"[id='{COMPENSATION}']").input_value() == "lugre"
 
     speed.select_option("real time")
+    page.wait(lambda: page.page.evaluate("page.motion.time - page.motion.rows[0][0] > 10"), "10 s")
+    check_looking_back(page.page)
     page.page.evaluate("page.motion.reset()")
     other.wait(lambda: other.page.evaluate("page.motion.remaining > 5"), "a new measurement")
     page.page.evaluate("page.motion.reset(0.2, -0.25)")

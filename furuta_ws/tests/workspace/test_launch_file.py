@@ -65,6 +65,14 @@ def test_record_starts_a_recorder(
     assert kept["friction_observer"]["ros__parameters"]["compensation"] == "lugre"
 
 
+def test_a_view_follows_the_clock_of_its_graph() -> None:
+    """Simulated time in lock-step only."""
+    for clock, simulated in (("lockstep", True), ("realtime", False)):
+        *_, publisher, rviz = launched_nodes(clock=clock, namespace="left", view="true")
+        assert publisher["namespace"] == rviz["namespace"] == "/left"
+        assert {n["parameters"][0]["use_sim_time"] for n in (publisher, rviz)} == {simulated}
+
+
 def test_an_error_starts_no_node() -> None:
     """The launch fails with the reason before it has a node to start."""
     reason = "compensation lugre needs the node friction_observer, which is left out"
@@ -73,14 +81,14 @@ def test_an_error_starts_no_node() -> None:
 
 
 def test_arguments_of_the_launch_file() -> None:
-    """They are those of ``launched_nodes`` and ``view``; the documentation names each."""
+    """They are those of ``launched_nodes``; the documentation names each."""
     (table,) = (
         node.value
         for node in ast.parse(FILE.read_text()).body
         if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict)
     )
     names = {key.value for key in table.keys if isinstance(key, ast.Constant)}
-    assert names == {*signature(launched_nodes).parameters, "view"}
+    assert names == set(signature(launched_nodes).parameters)
     page = (ROOT / "docs" / "graph.md").read_text()
     assert not [name for name in names if f"`{name}`" not in page]
 

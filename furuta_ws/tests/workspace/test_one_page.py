@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import csv
+import gzip
+import json
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -14,9 +16,10 @@ import numpy as np
 import page_designs as designs
 import pytest
 from browser import open_browser
-from one_page import BUNDLER, WEB, build, library
-from page_scenes import check_every_scene
+from one_page import BUNDLER, WEB, built_page, library
+from page_scenes import check_every_scene, check_looking_back
 
+from furuta_bringup.page.one_file import one_file
 from furuta_model.parts.disturbances import Pushes
 from furuta_sim.simulation.closed_loop import simulate
 
@@ -44,7 +47,7 @@ SECOND = 1000  # samples
 def page_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built page."""
     out = tmp_path_factory.mktemp("page") / "furuta.html"
-    build(out)
+    out.write_text(built_page())
     return out
 
 
@@ -103,6 +106,35 @@ def test_three_js_in_the_package_is_what_the_stage_uses() -> None:
         assert (WEB / name).read_text() == content
 
 
+def test_the_page_in_the_package_is_current(page_file: Path) -> None:
+    """Its text and code are the same; its numbers up to what another processor rounds."""
+    data = re.compile(r'(?<=text/plain">)[^<]*')
+    pages = one_file().decode(), page_file.read_text()
+    packed, built = (data.sub("", page) for page in pages)
+    assert packed == built, "python docs/site/one_page.py --package"
+    found = (data.search(page) for page in pages)
+    assert_close(*(json.loads(gzip.decompress(base64.b64decode(f[0]))) for f in found if f))
+
+
+def assert_close(packed: Any, built: Any, key: str = "") -> None:
+    """The same structure and text; numbers, also those in encoded tables, to nine digits."""
+    assert type(packed) is type(built), key
+    if isinstance(packed, dict):
+        assert packed.keys() == built.keys(), key
+        for name in packed:
+            assert_close(packed[name], built[name], name)
+    elif isinstance(packed, list):
+        assert len(packed) == len(built), key
+        for pair in zip(packed, built, strict=True):
+            assert_close(*pair, key)
+    elif key in ("rows", "design"):
+        tables = [np.frombuffer(base64.b64decode(text)) for text in (packed, built)]
+        np.testing.assert_allclose(*tables, rtol=1e-9, atol=1e-9, err_msg=key)
+    else:
+        expected = pytest.approx(built, rel=1e-6) if isinstance(built, float) else built
+        assert packed == expected, key
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_samples_have_the_same_bits(case: str, page: Any) -> None:
     """In the browser, from the same noise."""
@@ -128,6 +160,16 @@ def test_every_scene_to_its_end(opened: Any, page: Any) -> None:
     page.evaluate("page.state.paused = true; page.enter(0, 0)")
     check_every_scene(page, run)
     assert opened.errors == []
+
+
+def test_looking_back(page: Any) -> None:
+    """Also after a fall: one sees what happened."""
+    page.evaluate("page.state.paused = true; page.enter(4, 1); page.motion.reset()")
+    run(page, 12.0)
+    page.evaluate("page.motion.push(0, 1)")
+    run(page, 3.0)
+    assert page.evaluate("page.motion.fell")
+    check_looking_back(page)
 
 
 def test_links_and_files_hold_the_settings(browser: Any, page_file: Path) -> None:
@@ -180,6 +222,41 @@ def test_the_pendulum_can_be_grabbed(page: Any) -> None:
     page.keyboard.press("ArrowDown")
     assert page.locator("fieldset input:focus").count() == 1
     assert page.evaluate("page.state.step") == 2
+
+
+NARROW = [(820, 1180), (1024, 768), (844, 390), (390, 844)]
+
+
+def test_the_chart_of_the_step_is_in_sight(browser: Any, page_file: Path) -> None:
+    """On tablets, old projectors and phones, without scrolling; parameters are folded."""
+    page = browser(page_file.as_uri(), *NARROW[0]).page
+    assert not page.evaluate("document.querySelector('#more').open")
+    for width, height in NARROW:
+        page.set_viewport_size({"width": width, "height": height})
+        box = page.locator("figure.named").bounding_box()
+        assert box["y"] + box["height"] <= height, (width, height)
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+    page.close()
+
+
+def test_in_front_of_people(browser: Any, page_file: Path) -> None:
+    """One chart beside the pendulum, nothing to scroll, words of 22 pixels; keys choose scenes."""
+    shown = browser(page_file.as_uri() + "?present", 1280, 720, color_scheme="dark")
+    page = shown.page
+    for key, chart in (("1", "angles"), ("2", "phase"), ("4", "voltages")):
+        page.keyboard.press(key)
+        (canvas,) = page.locator("figure canvas:visible").all()
+        assert canvas.get_attribute("id") == chart
+        assert canvas.evaluate("(each) => getComputedStyle(each).fontSize") == "22px"
+        box, stage = canvas.bounding_box(), page.locator("#stage").bounding_box()
+        assert box["height"] > 250
+        assert box["x"] > stage["x"] + stage["width"]
+        assert page.evaluate("document.documentElement.scrollHeight") == 720
+    words = "#scene h2, .look, fieldset span, .key dt, nav span, figcaption b"
+    size = "(each) => parseFloat(getComputedStyle(each).fontSize)"
+    assert min(each.evaluate(size) for each in page.locator(words).all() if each.is_visible()) >= 22
+    assert shown.serious_violations("body") == []
+    page.close()
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(1280, "light"), (390, "dark")])

@@ -73,6 +73,7 @@ def test_wheel_is_pure_and_has_the_one_version(wheel: Path) -> None:
     assert all(f"{package}/py.typed" in content for package in packages)
     assert "furuta_ros/share/furuta_bringup/config/rigs/paper.yaml" in content
     page = "furuta_bringup/page/web"
+    assert "furuta_bringup/page/furuta.html.gz" in content
     assert {f"{page}/{name}" for name in ("page.html", "three.js", "three.LICENSE")} <= set(content)
 
 
@@ -96,7 +97,7 @@ def test_wheel_works_without_ros(wheel: Path, tmp_path: Path) -> None:
     assert cycle == "0.511 rad, 2.37 s"
     assert str(tmp_path) in about
     assert "FurutaPendulum(" in about
-    assert {"simulate", "limit-cycle", "identify", "sweep", "bag"} <= set(verbs.split())
+    assert {"simulate", "limit-cycle", "identify", "sweep", "bag", "page"} <= set(verbs.split())
     assert view.startswith("furuta view needs ") and ", which is not installed: " in view
-    assert view.endswith("pip install '.[ros]' in a clone of the repository")
+    assert view.endswith("; furuta page opens the simulation without it")
     assert version == f"furuta {manifest('furuta').findtext('version')}"

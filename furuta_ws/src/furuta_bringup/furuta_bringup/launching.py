@@ -9,6 +9,7 @@ from furuta.settings.settings import collect_settings
 from furuta_bringup.graph.graph_plan import Graph, GraphOptions, plan_graph
 from furuta_bringup.graph.processes import NodeProcess, node_processes
 from furuta_bringup.parameter_files import settings_file
+from furuta_description.robot_description import display_nodes
 from furuta_hw.rigs.known_rigs import config_directory
 from furuta_model.accepted_parts import accept_parts, parts_in
 from furuta_model.parameters import ParameterError
@@ -32,18 +33,20 @@ def launched_nodes(
     own_parts: str = "",
     log_level: str = "info",
     respawn: str = "false",
+    view: str = "false",
 ) -> list[dict[str, Any]]:
     """Arguments of ``launch_ros.actions.Node`` for each node; the controlled system is the first.
 
     The installed parameter files are the defaults; the rig takes precedence over them,
     ``params_file`` over the rig, and ``clock`` and ``compensation`` over ``params_file``. With
-    ``port`` the bridge to a rig replaces the simulated plant.
+    ``port`` the bridge to a rig replaces the simulated plant. ``view`` adds what shows it in RViz.
 
     Raises:
         ParameterError: An argument is wrong; nothing must be started.
     """
     check_choice("log_level", log_level, LOG_LEVELS)
     check_choice("respawn", respawn, TRUTH)
+    check_choice("view", view, TRUTH)
     accept_parts(parts_in(own_parts))
     if port and clock:
         raise ParameterError(f"a rig has its own clock: no clock with port, given {clock!r}")
@@ -56,11 +59,14 @@ def launched_nodes(
         namespace=namespace,
     )
     graph = _graph(options, params_file, compensation)
+    plant = graph.settings[PLANT] if graph.controlled == PLANT else {}
+    lockstep = plant.get("clock") == "lockstep"
     controlled, *others = node_processes(graph)
     return [
         _node_arguments(controlled, log_level),
         *(_node_arguments(node, log_level, TRUTH[respawn]) for node in others),
-        *(_node_arguments(node, log_level) for node in _recorders(graph, record)),
+        *(_node_arguments(node, log_level) for node in _recorders(graph, record, lockstep)),
+        *(display_nodes(rig, namespace, lockstep) if TRUTH[view] else ()),
     ]
 
 
@@ -89,17 +95,15 @@ def _graph(options: GraphOptions, params_file: str, compensation: str) -> Graph:
     return plan_graph(options, files, chosen, base=collect_settings(defaults, []))
 
 
-def _recorders(graph: Graph, directory: str) -> list[NodeProcess]:
+def _recorders(graph: Graph, directory: str, lockstep: bool) -> list[NodeProcess]:
     """The process that records into a directory, if one is given."""
     if not directory:
         return []
     check_new_bag(Path(directory))
-    settings = graph.settings
-    lockstep = graph.controlled == PLANT and settings[PLANT].get("clock") == "lockstep"
     parameters = {
         "directory": str(Path(directory).absolute()),
         "stamped": lockstep,
-        "graph_parameters": settings_file(settings),
+        "graph_parameters": settings_file(graph.settings),
     }
     return [NodeProcess("furuta_recordings", "recorder", "recorder", graph.namespace, parameters)]
 

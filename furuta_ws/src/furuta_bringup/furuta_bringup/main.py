@@ -20,6 +20,7 @@ VERBS = {
     "demo": "Compare compensations on the real node graph.",
     "run": "Run the graph until Ctrl-C.",
     "view": "Show the graph in a browser, with all parameters.",
+    "page": "Open the simulation in a browser, without ROS.",
     "simulate": "Simulate the same closed loop without ROS.",
     "swing-up": "Swing up from random states, with knocks.",
     "tune": "Tune the compensator for the smallest limit cycle.",
@@ -58,7 +59,8 @@ def _explained(error: ModuleNotFoundError, verb: str | None) -> Exception:
     if not of_ros and error.name != name and find_spec(name):
         return UserError(f"furuta {verb} needs a newer {name}: pip install --upgrade {name}")
     ros = "ROS 2 Jazzy, or on Linux x86-64 pip install '.[ros]' in a clone of the repository"
-    return UserError(missing(name, f"furuta {verb}", ros if of_ros else ""))
+    without = "; furuta page opens the simulation without it" if verb == "view" else ""
+    return UserError(missing(name, f"furuta {verb}", ros if of_ros else "") + without)
 
 
 class Verbs(HelpfulGroup):

@@ -10,8 +10,7 @@ from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from furuta_bringup.launching import LOG_LEVELS, check_choice, launched_nodes
-from furuta_description.robot_description import display_nodes
+from furuta_bringup.launching import LOG_LEVELS, launched_nodes
 from launch import LaunchContext, LaunchDescription
 
 # Arguments with their defaults and descriptions.
@@ -31,21 +30,15 @@ ARGUMENTS = {
         "true or false: start estimator, friction observer and controller again when they end; "
         "the launch ends with the plant or the bridge",
     ),
-    "view": ("false", "true or false: show the pendulum in RViz, at the lengths of the rig"),
+    "view": ("false", "true or false: show the rig in RViz"),
 }
 
 
 def nodes(context: LaunchContext) -> list[Node]:
     """All nodes with their parameters; a wrong argument raises an error and starts none."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    view = given.pop("view")
-    check_choice("view", view, ("true", "false"))
     controlled, *others = launched_nodes(**given)
-    shown = display_nodes(given["rig"], given["namespace"]) if view == "true" else []
-    return [
-        Node(**controlled, on_exit=[Shutdown()]),
-        *(Node(**arguments) for arguments in (*others, *shown)),
-    ]
+    return [Node(**controlled, on_exit=[Shutdown()]), *(Node(**node) for node in others)]
 
 
 def generate_launch_description() -> LaunchDescription:

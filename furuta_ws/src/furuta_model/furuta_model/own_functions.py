@@ -37,6 +37,17 @@ OWN_NUMBERS = 32
 # Numba's type of an array that an own function gets.
 ADDRESS = types.CPointer(types.float64)
 _LOCATION = re.compile(r'File "(.+?)", line (\d+)')
+# What the user's mistake is where numba's words are about its own workings.
+_MISTAKES = {
+    r"No conversion from none to float64": "it must return a number, and returns nothing",
+    r"No conversion from (.+?) to float64": r"it must return a number, and returns \1",
+    r"Signature mismatch: (\d+) .* function takes (\d+).*": (
+        r"it takes \2 arguments, and is called with \1"
+    ),
+    r"Cannot bind .* to signature '\((.*)\)' due to .*(many|missing).*": (
+        r"it is called with other arguments than (\1)"
+    ),
+}
 
 # Shortest time between two reports of one error [s].
 REPORT_PERIOD = 1.0
@@ -85,6 +96,9 @@ def address_of(
         )
     except Exception as error:  # numba raises many kinds
         raise ParameterError(_one_line(function, str(error))) from None
+    returned = [each.signature.return_type for each in inner.overloads.values()]
+    if any(isinstance(each, types.Optional) for each in returned):
+        raise ParameterError(_one_line(function, "it returns a number in some branches only"))
     _code.append(code)
     address: Any = code.address
     return int(address)
@@ -180,11 +194,15 @@ class _Report:
 def _one_line(function: Callable[..., Any], message: str) -> str:
     """Numba's message as one line, with the innermost file and line that it names."""
     plain = getattr(function, "py_func", function)
-    places = [place for place in _LOCATION.findall(message) if place[0] != __file__]
+    own = Path(__file__).resolve()
+    places = [place for place in _LOCATION.findall(message) if Path(place[0]).resolve() != own]
     code = plain.__code__
     file, line = places[-1] if places else (code.co_filename, code.co_firstlineno)
     lines = [text.strip() for text in re.sub(r"\x1b\[\d*m", "", message).splitlines()]
     reason = next((text for text in lines if text and not text.startswith("Failed in")), message)
+    for words, mistake in _MISTAKES.items():
+        if found := re.match(words, reason):
+            reason = found.expand(mistake)
     return (
         f"{plain.__qualname__} cannot be compiled ({Path(file).resolve()}, line {line}): {reason}"
     )

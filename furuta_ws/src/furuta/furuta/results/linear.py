@@ -94,19 +94,19 @@ class LinearModel(Result):
         return {"passive": self.passivity.satisfied, "passivity": passivity}
 
     def sentence(self) -> str:
-        """Whether the loop is stable, what it bears, and what the sensors alone cause."""
+        """Whether the loop is stable, its margins, and what the sensors alone cause."""
         margins, swing = self.margins, self.sensors_alone_rad
         if margins is None or swing is None:
             return "Without friction the loop is unstable."
-        torque = f"{margins.gain_low:.3g} to {margins.gain_high:.3g} times its torque"
+        torque = f"{margins.gain_low:.3g} to {margins.gain_high:.3g} times the torque"
         if np.isinf(margins.gain_high):
-            torque = f"at least {margins.gain_low:.3g} times its torque"
+            torque = f"{margins.gain_low:.3g} times the torque or more"
         sensors = f"let the arm swing by {angle(swing)}"
         if np.isinf(swing):
             sensors = "make the pendulum fall"
         return (
-            f"Without friction the loop is stable. It bears a delay of {margins.delay_s:.3g} s, "
-            f"and {torque}. The sensors alone {sensors}."
+            "Without friction the loop is stable. It stays so with up to "
+            f"{margins.delay_s:.3g} s of delay, and with {torque}. The sensors alone {sensors}."
         )
 
     def plot(self, axes: Any = None) -> Any:

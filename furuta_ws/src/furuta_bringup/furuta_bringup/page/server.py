@@ -9,9 +9,7 @@ import base64
 import gzip
 import http
 import json
-import os
 import socket
-import webbrowser
 from collections.abc import Callable
 from contextlib import suppress
 from importlib.resources import files
@@ -24,6 +22,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from furuta_bringup.page.guided_scenes import page_content
+from furuta_bringup.page.one_file import open_in_browser
 from furuta_model.parameters import ParameterError
 
 ADDRESS = "127.0.0.1"
@@ -78,8 +77,8 @@ class PageServer:
     def announce(self, opens: bool) -> None:
         """Print the address, and open the browser where there is one."""
         print(self.address, flush=True)
-        if opens and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")):
-            webbrowser.open(self.address)
+        if opens:
+            open_in_browser(self.address)
 
     def serving(self) -> serve:
         """What serves, as an asynchronous context."""

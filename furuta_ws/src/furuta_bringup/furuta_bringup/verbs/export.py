@@ -15,9 +15,16 @@ if TYPE_CHECKING:
     from furuta_hw.rigs.rig import Rig
 
 
+out_option = click.option(
+    "--out",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="File to write instead of standard output.",
+)
+
+
 @click.group(cls=HelpfulGroup)
 def command() -> None:
-    """Export a loop for use without Python, or an identified joint for simulators."""
+    """Export a loop for use without Python, or a rig or an identified joint for simulators."""
 
 
 @command.command("c")
@@ -75,6 +82,28 @@ def c(
     show(written, as_json)
 
 
+@command.command("description")
+@option("--rig", "name", default="paper", metavar="NAME|FILE", help="Rig, by name or file.")
+@click.option("--prefix", default="", help="Begins the names of all links and joints.")
+@out_option
+def description(name: str, prefix: str, out: Path | None) -> None:
+    """Write a rig as URDF for ROS 2 and simulators.
+
+    Masses and inertias give the motion of the rig's model, without friction. A torque in N m is
+    drive.torque_per_volt of the rig file times the voltage; where that is not known, it is 1.
+    """
+    from furuta_description.robot_description import robot_description
+    from furuta_hw.rigs.known_rigs import find_rig
+    from furuta_ros.whole_files import whole_file
+
+    text = robot_description(find_rig(name), prefix)
+    if out is None:
+        print_file(text)
+    else:
+        with whole_file(out) as path:
+            path.write_text(text, encoding="utf-8")
+
+
 def _described(files: tuple[Path, ...]) -> tuple[Rig | None, list[str]]:
     """The rig of the last rig file, and what the files are."""
     from furuta_hw.rigs.rig_file import is_rig_file, rig_from_content
@@ -100,11 +129,7 @@ def _joint_command(form: str, name: str, friction: str) -> None:
     )
     @click.option("--joint", metavar="NAME", help="Joint to use if the file has several.")
     @click.option("--prismatic", is_flag=True, help="The joint slides: N, m and kg.")
-    @click.option(
-        "--out",
-        type=click.Path(dir_okay=False, path_type=Path),
-        help="File to write instead of standard output.",
-    )
+    @out_option
     def write(path: Path, joint: str | None, out: Path | None, **options: Any) -> None:
         from furuta import export_joint, read_joint_file
 

@@ -80,6 +80,9 @@ class DriveConverter(NamedTuple):
     zero: Annotated[float, _ZERO] = 0.0
     delay: Annotated[float, About("dead time between command and torque", "s", 0, 0.1)] = 0.0
     lag: Annotated[float, About("time constant of the torque", "s", 0, 1)] = 0.0
+    torque_per_volt: Annotated[
+        float, About("torque on the arm, for simulators; 1 if it is not known", "N m/V", 1e-9, 1e6)
+    ] = 1.0
 
     @property
     def channel(self) -> Channel:

@@ -50,11 +50,12 @@ class PhysicalParameters(NamedTuple):
 
 
 class Normalised(NamedTuple):
-    """α, β, γ, δ of eq. (1) in volts; viscous friction with back-EMF σ₂ [V s/rad]; α₀ [V]."""
+    """α, β, γ, δ of eq. (1) in volts; σ₂ with back-EMF [V s/rad]; α₀ [V]; 1/κ [N m/V]."""
 
     model: FurutaPendulum
     viscous: float
     coulomb: float
+    torque_per_volt: float
 
 
 def normalise(p: PhysicalParameters) -> Normalised:
@@ -68,4 +69,4 @@ def normalise(p: PhysicalParameters) -> Normalised:
         delta=k * m * p.gravity * l,
     )
     viscous = k * p.arm_damping + p.gear_ratio * p.back_emf_constant
-    return Normalised(model, viscous, k * p.friction_torque)
+    return Normalised(model, viscous, k * p.friction_torque, 1.0 / k)

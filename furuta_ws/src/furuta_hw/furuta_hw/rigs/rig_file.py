@@ -106,11 +106,11 @@ def _with_model(given: dict[str, Any]) -> dict[str, Any]:
         return _model(from_linear(*linear)) | given
     if "physical" in forms:
         physical = build(PhysicalParameters, given, "physical.")
-        model, viscous, coulomb = normalise(physical)
-        friction = {"friction.viscous": viscous}
+        model, viscous, coulomb, torque_per_volt = normalise(physical)
+        others = {"friction.viscous": viscous, "drive.torque_per_volt": torque_per_volt}
         if coulomb > 0.0:
-            friction["friction.alpha0"] = coulomb
-        return _model(model) | friction | given
+            others["friction.alpha0"] = coulomb
+        return _model(model) | others | given
     return given
 
 

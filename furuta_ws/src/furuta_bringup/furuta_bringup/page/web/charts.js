@@ -1,6 +1,8 @@
 // Charts without furniture: round ticks, no frame, the colours of the names above them.
-const LEFT = 40, BELOW = 30, ABOVE = 20, RIGHT = 8;
 let colours;
+
+// Space around the curves for a size of text [pixels].
+const spaces = (size) => ({ left: 3.6 * size, below: 2.7 * size, above: 1.8 * size, right: 8 });
 
 // Colours are read anew after a change between dark and light.
 export function forgetColours() {
@@ -29,6 +31,8 @@ export const text = (value, digits) => value.toFixed(digits).replace("-", "−")
 const label = (value) => String(Number(value.toPrecision(6))).replace("-", "−");
 const shown = (value) => (Number.isFinite(value) ? text(value, Math.abs(value) < 10 ? 2 : 1) : "–");
 
+const valued = (value, unit) => `${shown(value)}${unit === "°" ? "" : " "}${unit}`;
+
 // The round limit of an axis that holds a value; it shrinks only where the value has halved, so it does not flicker.
 const limits = {};
 function limit(name, value, least) {
@@ -39,11 +43,16 @@ function limit(name, value, least) {
   return limits[name];
 }
 
-// The names above a chart are those of its curves.
-function showNames(canvas, curves) {
-  for (const name of canvas.parentElement.querySelectorAll("figcaption b")) {
-    name.hidden = !curves.some((curve) => curve.colour === name.dataset.curve && curve.y.some(Number.isFinite));
+// The names above a chart are those of its curves, with the values at a place if there is one: `at` has the words of
+// the axis across, and the index of the point.
+function showNames(canvas, curves, at) {
+  const caption = canvas.parentElement.querySelector("figcaption");
+  for (const name of caption.querySelectorAll("b")) {
+    const curve = curves.find(({ colour: own, y }) => own === name.dataset.curve && y.some(Number.isFinite));
+    name.hidden = !curve || (at && !curve.symbol);
+    if (curve) name.dataset.value = at && curve.symbol ? `${curve.symbol} ${valued(curve.y[at.i], curve.unit)}` : "";
   }
+  caption.dataset.at = at ? at.words : "";
 }
 
 // The point of a curve next to a place: across alone over time, or in the plane.
@@ -56,51 +65,52 @@ function nearest({ x, y }, place, [px, py], overTime) {
   return best;
 }
 
-// Draws curves { x, y, colour, width, symbol, isAngle } (arrays of numbers) in a canvas. Axes are symmetric about zero
-// and hold all curves and `least`, or the horizontal one is given as `across`. At the `cursor` [pixels] the values stand
-// of the curves that have a symbol. `axes` are the titles.
-export function chart(id, curves, { across, least, axes, dot, cursor }) {
+// Draws curves { x, y, colour, width, dash, symbol, unit, isAngle } (arrays of numbers) in a canvas. Axes are symmetric
+// about zero and hold all curves and `least`, or the horizontal one is given as `across`. The names above get the values
+// of the point with index `at`, or else of that next to the `cursor` [pixels], of the curves that have a symbol; these
+// have points of the same moments. `axes` are the titles. Returns the index of the point next to the cursor.
+export function chart(id, curves, { across, least, axes, dot, cursor, at }) {
   const canvas = document.getElementById(id), scale = Math.min(2, devicePixelRatio);
   const width = canvas.clientWidth, height = canvas.clientHeight;
-  const c = canvas.getContext("2d", { willReadFrequently: true });
+  const c = canvas.getContext("2d", { willReadFrequently: true }), size = Number.parseFloat(getComputedStyle(canvas).fontSize);
+  const { left, below, above, right } = spaces(size), overTime = Boolean(across);
   if (canvas.width !== Math.round(width * scale)) canvas.width = Math.round(width * scale);
   if (canvas.height !== Math.round(height * scale)) canvas.height = Math.round(height * scale);
   c.setTransform(scale, 0, 0, scale, 0, 0);
   c.clearRect(0, 0, width, height);
-  showNames(canvas, curves);
   const most = (key) => curves.reduce((m, curve) => curve[key].reduce((n, v) => Math.max(n, Math.abs(v) || 0), m), 0);
   const up = limit(`${id} y`, most("y"), least.y);
   const end = across ? 0 : limit(`${id} x`, most("x"), least.x), [from, to] = across ?? [-end, end];
-  const x = (v) => LEFT + ((v - from) / (to - from)) * (width - LEFT - RIGHT);
-  const y = (v) => ABOVE + ((1 - v / up) / 2) * (height - ABOVE - BELOW);
+  const x = (v) => left + ((v - from) / (to - from)) * (width - left - right);
+  const y = (v) => above + ((1 - v / up) / 2) * (height - above - below);
   const write = (words, align, ...place) => {
     c.textAlign = align;
     c.fillText(words, ...place);
   };
-  c.font = "11px system-ui, Inter, sans-serif";
+  c.font = `${size}px system-ui, Inter, sans-serif`;
   c.lineWidth = 1;
   c.fillStyle = colour("dim");
   c.strokeStyle = colour("line");
   c.textBaseline = "middle";
-  for (const v of ticks(-up, up, height < 400 ? 4 : 10)) {
+  for (const v of ticks(-up, up, height < 36 * size ? 4 : 10)) {
     c.beginPath();
-    c.moveTo(LEFT, Math.round(y(v)) + 0.5);
-    c.lineTo(width - RIGHT, Math.round(y(v)) + 0.5);
+    c.moveTo(left, Math.round(y(v)) + 0.5);
+    c.lineTo(width - right, Math.round(y(v)) + 0.5);
     c.stroke();
-    write(label(v), "right", LEFT - 6, y(v));
+    write(label(v), "right", left - 6, y(v));
   }
-  const marks = ticks(from, to, width < 200 ? 2 : 5);
-  for (const v of marks) write(label(v), "center", Math.min(x(v), width - 12), height - BELOW + 9);
-  write(axes[1], "left", 4, 7);
-  write(axes[0], "right", width - RIGHT, height - 7);
+  const marks = ticks(from, to, width < 18 * size ? 2 : 5);
+  for (const v of marks) write(label(v), "center", Math.min(x(v), width - 1.1 * size), height - below + 0.8 * size);
+  write(axes[1], "left", 4, 0.65 * size);
   c.save();
   c.beginPath();
-  c.rect(LEFT, 0, width - LEFT, height - BELOW + 2);
+  c.rect(left, 0, width - left, height - below + 2);
   c.clip();
   c.lineJoin = "round";
   for (const curve of curves) {
     c.strokeStyle = colour(curve.colour);
-    c.lineWidth = curve.width;
+    c.lineWidth = (curve.width * size) / 11;
+    c.setLineDash(curve.dash ?? []);
     c.beginPath();
     // An angle that passes half a turn begins a new line.
     const jumps = (values, i) => Math.abs(values[i] - values[i - 1]) > 180;
@@ -108,34 +118,29 @@ export function chart(id, curves, { across, least, axes, dot, cursor }) {
     curve.x.forEach((v, i) => c[goesOn(i) ? "lineTo" : "moveTo"](x(v), y(curve.y[i])));
     c.stroke();
   }
+  c.setLineDash([]);
   const point = (name, ...place) => {
     c.fillStyle = colour(name);
     c.beginPath();
-    c.arc(...place, 4, 0, 7);
+    c.arc(...place, 0.36 * size, 0, 7);
     c.fill();
   };
   if (dot) point(dot.colour, x(dot.x), y(dot.y));
   c.restore();
-  if (cursor) showValues();
-
-  function showValues() {
-    const place = (a, b) => [x(a), y(b)], overTime = Boolean(across), words = [];
-    for (const curve of curves.filter(({ symbol }) => symbol)) {
-      const i = nearest(curve, place, cursor, overTime);
-      if (i < 0) continue;
-      if (!words.length) words.push(`${overTime ? "t" : curve.across} ${shown(curve.x[i])}`);
-      words.push(`${curve.symbol} ${shown(curve.y[i])}`);
-      point(curve.colour, ...place(curve.x[i], curve.y[i]));
-    }
-    c.clearRect(0, 0, width, ABOVE - 6);
-    c.fillStyle = colour("ink");
-    write(words.join("   "), "right", width - RIGHT, 7);
-    if (!overTime) return;
+  const named = curves.filter(({ symbol, y: values }) => symbol && values.some(Number.isFinite)), [first] = named;
+  const under = first && cursor ? nearest(first, (a, b) => [x(a), y(b)], cursor, overTime) : -1, i = at ?? under;
+  const isMarked = first && i >= 0, words = isMarked ? `${first.across} ${valued(first.x[i], first.unitAcross)}` : axes[0];
+  c.fillStyle = colour(isMarked ? "ink" : "dim");
+  write(words, "right", width - right, height - 0.65 * size);
+  showNames(canvas, curves, isMarked && { i, words });
+  if (!isMarked) return null;
+  for (const curve of named) point(curve.colour, x(curve.x[i]), y(curve.y[i]));
+  if (overTime) {
     c.strokeStyle = colour("faint");
-    c.lineWidth = 1;
     c.beginPath();
-    c.moveTo(cursor[0], ABOVE);
-    c.lineTo(cursor[0], height - BELOW);
+    c.moveTo(x(first.x[i]), above);
+    c.lineTo(x(first.x[i]), height - below);
     c.stroke();
   }
+  return under < 0 ? null : under;
 }

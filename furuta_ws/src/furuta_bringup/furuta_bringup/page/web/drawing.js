@@ -8,6 +8,7 @@ const SHOWN = 10, LEAST = 0.5, PLANE = 5;  // seconds over time, at most and at 
 // Smooth edges and pixels, from all details to the fewest.
 const DETAILS = [[true, 1], [false, 1], [false, 0.75]];
 const USUAL = [0.24, 0.38];  // lengths of arm and pendulum while they are not known [m]
+const DRAGGED = 4;  // pixels from which a press is a drag
 const LATE = 45;  // a frame that comes later is late [ms]
 
 const AXES = {
@@ -26,6 +27,8 @@ const angle = (i) => (row) => wrapped(row[i]) / DEGREE;
 
 export class Drawing {
   constructor(host, motion) {
+    this.looked = () => {};  // called when another moment is shown
+    this.drawn = {};  // rows of the charts
     Object.assign(this, { motion, frames: 0, detail: 0, late: 0, last: 0, fixed: false, seconds: SHOWN, cursors: {} });
     this.charts = ["angles", "voltages", "frictions", "phase"];
     for (const name of this.charts) this.watch(name);
@@ -37,12 +40,22 @@ export class Drawing {
     if (this.stage.bySoftware) this.simplify(1);
   }
 
-  // The pointer shows values; the wheel changes how many seconds are shown.
+  // The pointer shows values, and dragged the moment of the point next to it; the wheel changes how many seconds are
+  // shown.
   watch(name) {
     const canvas = document.getElementById(name);
+    let from = null;
+    canvas.onpointerdown = ({ offsetX, pointerId }) => {
+      from = offsetX;
+      canvas.setPointerCapture(pointerId);
+    };
+    canvas.onpointerup = canvas.onpointercancel = () => { from = null; };
     canvas.onpointermove = ({ offsetX, offsetY }) => {
       this.cursors[name] = [offsetX, offsetY];
-      this[name]();
+      const point = this[name]();
+      if (from === null || point === null || Math.abs(offsetX - from) < DRAGGED) return;
+      from = -Infinity;
+      this.lookAt(this.drawn[name][point][TIME]);
     };
     canvas.onpointerleave = () => {
       delete this.cursors[name];
@@ -54,6 +67,12 @@ export class Drawing {
       this[name]();
       event.preventDefault();
     }, { passive: false });
+  }
+
+  lookAt(time) {
+    this.motion.look(time);
+    this.drawAll();
+    this.looked();
   }
 
   frame(now, isStill) {
@@ -83,60 +102,72 @@ export class Drawing {
   }
 
   drawStage() {
-    const { source: { now, lengths }, pose } = this.motion, [from, to] = this.motion.swing();
+    const { now, source: { lengths }, pose } = this.motion, [from, to] = this.motion.swing();
     const [phi, theta] = pose.map((each) => each || 0);  // a graph that has sent nothing yet
     if (lengths) this.stage?.setLengths(lengths);
     this.stage?.draw({ phi, theta, from, to, u: now[U], friction: now[F] });
   }
 
-  // The symbol of a quantity, at its values under the pointer.
-  symbol(name) {
-    return { symbol: this.motion.data.quantities[name].symbol };
+  // What stands at the values of a quantity under the pointer: its symbol and unit, and those of what is across.
+  symbol(name, unit = "V", across = "t", unitAcross = "s") {
+    return { symbol: this.motion.data.quantities[name].symbol, unit, across, unitAcross };
+  }
+
+  // The rows of a chart, of some seconds.
+  rows(name, seconds, most) {
+    return (this.drawn[name] = thinned(this.motion.newest(seconds), most));
+  }
+
+  // What is marked in a chart: the place of the pointer, and the row of an earlier moment.
+  marks(name) {
+    const { moment } = this.motion, rows = this.drawn[name], after = rows.findIndex((row) => row[TIME] >= moment?.[TIME]);
+    return { cursor: this.cursors[name], at: moment && rows.length ? Math.max(0, after) : null };
   }
 
   angles() {
-    const { seconds, motion } = this, rows = thinned(motion.newest(seconds), 500), now = motion.time, curves = [];
+    const { seconds, motion } = this, rows = this.rows("angles", seconds, 500), now = motion.time, curves = [];
     const old = motion.before, end = old?.rows.at(-1)?.[TIME] ?? 0;
     if (old) {
       const behind = thinned(old.rows.filter((row) => row[TIME] - end > Math.max(-seconds, old.at - now)), 400);
-      curves.push(curve(behind, before(end), angle(PHI), "was", 1.6, { isAngle: true }));
+      curves.push(curve(behind, before(end), angle(PHI), "was", 1.6, { isAngle: true, dash: [5, 4] }));
     }
-    curves.push(curve(rows, before(now), angle(THETA), "pendulum", 1.6, { ...this.symbol("pendulum"), isAngle: true }));
-    curves.push(curve(rows, before(now), angle(PHI), "arm", 2.2, { ...this.symbol("arm"), isAngle: true }));
-    this.overTime("angles", curves, 5, "angle [°]");
+    curves.push(curve(rows, before(now), angle(THETA), "pendulum", 1.6, { ...this.symbol("pendulum", "°"), isAngle: true }));
+    curves.push(curve(rows, before(now), angle(PHI), "arm", 2.2, { ...this.symbol("arm", "°"), isAngle: true }));
+    return this.overTime("angles", curves, 5, "angle [°]");
   }
 
   voltages() {
-    const rows = thinned(this.motion.newest(this.seconds), 500), time = before(this.motion.time);
+    const rows = this.rows("voltages", this.seconds, 500), time = before(this.motion.time);
     const looks = [[U, "command", 1.2], [F, "friction", 2.4], [F_HAT, "estimate", 1.4]];
     const curves = looks.map(([i, name, width]) => curve(rows, time, column(i), name, width, this.symbol(name)));
-    this.overTime("voltages", curves, 0.4, AXES.voltage);
+    return this.overTime("voltages", curves, 0.4, AXES.voltage);
   }
 
   overTime(name, curves, least, title) {
-    const axes = [AXES.time, title], cursor = this.cursors[name];
-    chart(name, curves, { across: [-this.seconds, 0], least: { y: least }, axes, cursor });
+    return chart(name, curves, { across: [-this.seconds, 0], least: { y: least }, axes: [AXES.time, title], ...this.marks(name) });
   }
 
   frictions() {
-    const rows = thinned(this.motion.newest(PLANE), 400), { now } = this.motion.source;
+    const rows = this.rows("frictions", PLANE, 400), { now } = this.motion;
     const looks = [[F, "friction", 2.4], [F_HAT, "estimate", 1.4]];
     const curves = looks.map(([i, name, width]) => {
-      return curve(rows, column(SPEED), column(i), name, width, { ...this.symbol(name), across: "φ̇" });
+      return curve(rows, column(SPEED), column(i), name, width, this.symbol(name, "V", "φ̇", "rad/s"));
     });
     const [i, colour] = Number.isNaN(now[F]) ? looks[1] : looks[0], dot = { x: now[SPEED], y: now[i], colour };
-    this.plane("frictions", curves, { x: 1, y: 0.2 }, [AXES.speed, AXES.friction], dot);
+    return this.plane("frictions", curves, { x: 1, y: 0.2 }, [AXES.speed, AXES.friction], dot);
   }
 
   phase() {
-    const rows = thinned(this.motion.newest(PLANE), 400), { now, cycle } = this.motion.source, orbit = cycle?.orbit ?? [];
+    const rows = this.rows("phase", PLANE, 400), { now, source: { cycle } } = this.motion, orbit = cycle?.orbit ?? [];
     const exact = curve(orbit, ([x]) => x / DEGREE, ([, y]) => y, "was", 6);
-    const measured = curve(rows, angle(PHI), column(SPEED), "arm", 1.8, { symbol: "φ̇", across: "φ", isAngle: true });
+    const measured = curve(rows, angle(PHI), column(SPEED), "arm", 1.8, {
+      ...this.symbol("arm", "rad/s", "φ", "°"), symbol: "φ̇", isAngle: true,
+    });
     const dot = { x: wrapped(now[PHI]) / DEGREE, y: now[SPEED], colour: "arm" };
-    this.plane("phase", [exact, measured], { x: 10, y: 0.5 }, [AXES.phi, AXES.speed], dot);
+    return this.plane("phase", [exact, measured], { x: 10, y: 0.5 }, [AXES.phi, AXES.speed], dot);
   }
 
   plane(name, curves, least, axes, dot) {
-    chart(name, curves, { least, axes, dot, cursor: this.cursors[name] });
+    return chart(name, curves, { least, axes, dot, ...this.marks(name) });
   }
 }

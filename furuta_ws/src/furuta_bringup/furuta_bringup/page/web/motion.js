@@ -18,6 +18,18 @@ export class Motion {
     this.planned = null;  // a push to come: torques on arm and pendulum [V]
     this.fell = false;
     this.held = null;  // angles of arm and pendulum while a part is held [rad]
+    this.moment = null;  // the earlier row that everything shows; meanwhile no row comes
+  }
+
+  // The row that is shown.
+  get now() {
+    return this.moment ?? this.source.now;
+  }
+
+  // Shows the moment of the row next to a time; without one, what is now.
+  look(time = null) {
+    const distance = (row) => Math.abs(row[TIME] - time);
+    this.moment = time === null ? null : this.rows.reduce((best, row) => (distance(row) < distance(best) ? row : best), this.rows[0]);
   }
 
   get time() {
@@ -26,7 +38,7 @@ export class Motion {
 
   // Angles of arm and pendulum [rad].
   get pose() {
-    return this.held ?? [this.source.now[PHI], this.source.now[THETA]];
+    return this.held ?? [this.now[PHI], this.now[THETA]];
   }
 
   get leans() {
@@ -93,6 +105,7 @@ export class Motion {
 
   // What comes is measured anew, and the motion so far is kept.
   changed() {
+    this.look();
     if (!this.remaining && !this.hasFallen) {
       this.was = { name: this.name, size: this.size };
       this.before = { rows: this.newest(), at: this.time };
@@ -117,7 +130,7 @@ export class Motion {
 
   // A new motion begins at a time, of which some rows may have come already; who has reset the plant does not matter.
   begin(time, rows = []) {
-    Object.assign(this, { rows, since: time, fell: false });
+    Object.assign(this, { rows, since: time, fell: false, moment: null });
     if (this.before) this.before.at = time;
   }
 
@@ -128,6 +141,7 @@ export class Motion {
   }
 
   advance(samples) {
+    if (this.moment) return;
     for (const row of this.source.take(samples)) this.add(row);
     if (this.rows.length > 2 * this.newest().length) this.rows = this.newest();
   }

@@ -7,7 +7,7 @@ import { Graph } from "./graph.js";
 import { Loop, RATE, unpacked } from "./loop.js";
 import { Motion } from "./motion.js";
 import { Pointer } from "./pointer.js";
-import { F, F_HAT, PHI, THETA, U, wrapped } from "./source.js";
+import { F, PHI, THETA, TIME, U, wrapped } from "./source.js";
 
 const DATA = await unpacked(document.getElementById("data").textContent);
 const PUSHES = { arm: 2, pendulum: 0.3 };  // for 0.1 s [V], as the user has set them
@@ -75,6 +75,12 @@ function show() {
   showScene();
 }
 
+// Whether nothing differs from what a step sets.
+function isStepInForce(scene, step) {
+  const wanted = { ...source.scenesBase, ...source.change(DATA.scenes[scene].steps[step]) };
+  return source.hasScenes && Object.entries(wanted).every(([name, value]) => source.values[name] === value);
+}
+
 function next() {
   const step = state.step + 1;
   const isLast = step === DATA.scenes[state.scene].steps.length;
@@ -117,7 +123,7 @@ function showScene() {
   const inputs = () => [...$("scene").querySelectorAll("input, button")];
   const old = inputs(), place = old.indexOf(document.activeElement);
   $("scene").replaceChildren(
-    make("h2", { textContent: scene.title }), make("p", { textContent: scene.text }),
+    make("h2", { textContent: scene.title }), make("p", { className: "scene-text", textContent: scene.text }),
     make("p", { className: "look", textContent: look }),
     make("fieldset", { ariaLabel: "Steps of the scene" }, ...rows, ...known),
     make("div", { className: "row" }, make("button", { textContent: "Back", disabled: !state.scene && !state.step, onclick: back }),
@@ -188,7 +194,8 @@ function tell() {
   $("figures").textContent = waits || fell ? "" : figures();
   $("was").textContent = was && !waits ? `${was.name}: ${degrees(was.size)}` : "";
   document.querySelector(".big").classList.toggle("measuring", waits || fell);
-  $("fallen").hidden = !motion.hasFallen;
+  $("fallen").hidden = !motion.hasFallen || motion.moment;
+  showPast();
   const here = [...results[state.scene], own.result], runs = state.isOwn ? here.length - 1 : state.step;
   const largest = Math.max(...here.filter(Number.isFinite), LONG_BAR);
   document.querySelectorAll("fieldset label").forEach((row, i) => {
@@ -238,7 +245,7 @@ function showProgress() {
 }
 
 function showNow() {
-  const { now } = source, shown = (value, digits, unit) => (Number.isNaN(value) ? "–" : `${text(value, digits)}${unit}`);
+  const { now } = motion, shown = (value, digits, unit) => (Number.isNaN(value) ? "–" : `${text(value, digits)}${unit}`);
   $("now-phi").textContent = shown(wrapped(now[PHI]) / DEGREE, 1, "°");
   $("now-theta").textContent = shown(now[THETA] / DEGREE, 1, "°");
   $("now-u").textContent = shown(now[U], 2, " V");
@@ -246,11 +253,25 @@ function showNow() {
   $("key-f").hidden = Number.isNaN(now[F]);  // on a rig
 }
 
+// While an earlier moment is shown: which, and the way back.
+function showPast() {
+  const { moment, time } = motion;
+  $("past").hidden = !moment;
+  if (moment) $("past").firstChild.textContent = `${text(time - moment[TIME], 2)} s ago`;
+}
+
+function toPresent() {
+  motion.look();
+  drawing.drawAll();
+  showNow();
+  tell();
+}
+
 function frame(now) {
   const passed = Math.min(now - last, 100), isHeld = Boolean(motion.held);
   last = now;
   if (!isHeld && !(state.paused && source.isHere)) motion.advance((passed * RATE) / 1000);
-  drawing.frame(now, state.paused && !pointer?.held);
+  drawing.frame(now, (state.paused || motion.moment) && !pointer?.held);
   if (drawing.frames % 6 === 0) showNow();
   if (drawing.frames % 12 === 0) tell();
   requestAnimationFrame(frame);
@@ -259,6 +280,7 @@ function frame(now) {
 // Buttons and keys
 
 function setPaused(paused) {
+  motion.look();
   if (!source.speeds.length) return;
   state.paused = paused;
   source.pace(paused ? 0 : state.speed);
@@ -271,8 +293,15 @@ function setSpeed(speed) {
   showPace();
 }
 
+// From an earlier moment it goes on.
+function play() {
+  if (motion.moment) toPresent();
+  else setPaused(!state.paused);
+}
+
 // One step, and then a pause.
 function step() {
+  motion.look();
   if (!source.speeds.length) return;
   if (!source.isHere) state.paused = true;
   else setPaused(true);
@@ -389,7 +418,8 @@ function told({ nodes, values, place, status, cycle, failed, refused, began, sin
   if (since !== undefined) motion.since = since;
   if (began) motion.begin(began[0], motion.rows.filter(([time]) => time >= began[0]));
   if (nodes) {
-    own.knobs ??= source.hasScenes ? source.own({}) : null;
+    own.knobs ??= source.hasScenes && !isStepInForce(0, 0) ? source.own({}) : null;
+    if (state.isOwn && !own.knobs) place ??= null;  // nodes come one by one
     makeKnobs();
     showWhatFits();
     show();
@@ -400,7 +430,7 @@ function told({ nodes, values, place, status, cycle, failed, refused, began, sin
     if (refused) controls.refuse(refused, failed);
   }
   if (place !== undefined) {
-    Object.assign(state, place ?? { isOwn: true });
+    Object.assign(state, place ?? { isOwn: !isStepInForce(0, 0) });
     motion.name = state.isOwn ? own.name : DATA.scenes[state.scene].steps[state.step].name;
     showScene();
   }
@@ -435,9 +465,9 @@ function showStatus({ lost, speed, notices = [], rig, waiting: waits }) {
 }
 
 const KEYS = {
-  " ": () => setPaused(!state.paused), ".": step, r: () => source.hasPlant && motion.reset(), n: next, b: back,
+  " ": play, ".": step, r: () => source.hasPlant && motion.reset(), n: next, b: back,
   p: () => pushPart("pendulum", 1), P: () => pushPart("pendulum", -1),
-  "+": () => drawing.stage?.zoom(0.9), "-": () => drawing.stage?.zoom(1.1), Escape: () => enlarge(null),
+  "+": () => drawing.stage?.zoom(0.9), "-": () => drawing.stage?.zoom(1.1), Escape: () => (motion.moment ? toPresent() : enlarge(null)),
   ArrowLeft: () => pushPart("arm", -1), ArrowRight: () => pushPart("arm", 1),
   ...Object.fromEntries(DATA.scenes.map((_, i) => [String(i + 1), () => enter(i, 0)])),
 };
@@ -449,7 +479,12 @@ document.onkeydown = (event) => {
   KEYS[event.key]();
   event.preventDefault();
 };
-$("play").onclick = () => setPaused(!state.paused);
+$("play").onclick = play;
+$("present").onclick = toPresent;
+drawing.looked = () => {
+  showNow();
+  tell();
+};
 $("step").onclick = step;
 $("speed").onchange = () => setSpeed(source.speeds[$("speed").selectedIndex][1]);
 $("reset").onclick = $("again").onclick = () => motion.reset();
@@ -487,11 +522,12 @@ function paint() {
   drawing.stage?.paint();
 }
 
+document.body.classList.toggle("present", new URLSearchParams(location.search).has("present"));
 isDark.onchange = paint;
 paint();
 nameQuantities();
 addEventListener("hashchange", () => source.isHere && follow());
-$("more").open = innerHeight > 900;
+$("more").open = innerWidth > 1150 && innerHeight > 900;
 showScenes();
 showWords();
 showPushes();
