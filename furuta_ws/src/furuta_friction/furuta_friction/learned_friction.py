@@ -69,7 +69,7 @@ class LearnedMemory:
         longer: n₊.
         drive: What the drive has been given by the model.
         difference: d.
-        mean: Mean of both bristles without the model, as it would be observed.
+        of_both: Mean of both bristles without the model, as it would be observed.
     """
 
     level: float = 1.0
@@ -80,7 +80,7 @@ class LearnedMemory:
     longer: float = 0.0
     drive: DriveMemory = field(default_factory=DriveMemory)
     difference: ResponseMemory = field(default_factory=ResponseMemory)
-    mean: ResponseMemory = field(default_factory=ResponseMemory)
+    of_both: ResponseMemory = field(default_factory=ResponseMemory)
 
 
 class LearningParameters(NamedTuple):
@@ -189,7 +189,7 @@ def _learn_presliding(
     memory.longer = turned(memory.longer, v, level, x_s * LONGER, p.dt)
     mean = 0.5 * highest * (memory.shorter + memory.longer) - acting
     d = respond(memory.difference, highest * (memory.shorter - memory.longer), part, seen)
-    e = rest - respond(memory.mean, mean, part, seen)
+    e = rest - respond(memory.of_both, mean, part, seen)
     x_s *= 1.0 - p.presliding_change * e * d / (highest * highest + e * e)
     learns = p.presliding_change > 0.0
     memory.presliding = min(max(x_s, p.smallest), p.largest) if learns else p.first
@@ -233,4 +233,4 @@ def forget(memory: LearnedMemory) -> None:
     memory.shorter = memory.longer = 0.0
     assume_held(memory.drive, 0.0)
     forget_response(memory.difference)
-    forget_response(memory.mean)
+    forget_response(memory.of_both)
