@@ -90,7 +90,7 @@ def test_normalised_model_moves_as_the_physical_one(
     u: float, v: float, theta: float, w: float
 ) -> None:
     """Eq. (1) with the normalised coefficients and friction: the same accelerations."""
-    model, viscous, coulomb = normalise(PHYSICAL)
+    model, viscous, coulomb, _ = normalise(PHYSICAL)
     got = accelerations(v, theta, w, u - coulomb * np.sign(v) - viscous * v, model)
     np.testing.assert_allclose(got, in_newton_metres(u, v, theta, w), rtol=1e-4, atol=1e-3)
 

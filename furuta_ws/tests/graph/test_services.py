@@ -26,11 +26,11 @@ def test_hidden_nodes_are_not_listed(bench: Bench) -> None:
     """The daemon that ros2 leaves behind is no node to call."""
     caller = ServiceCaller(bench.probe, bench.executor)
     bench.add(Node("_ros2cli_daemon_0"))
-    with pytest.raises(ServiceError, match="no node is running"):
-        caller.call("plant", "reset", Trigger, Trigger.Request(), timeout=0.1)
     bench.add(Node("other"))
-    with pytest.raises(ServiceError, match=r"nodes are /other$"):
+    # ROS may still remember nodes of earlier tests.
+    with pytest.raises(ServiceError, match=r"nodes are .*/other") as refused:
         caller.call("plant", "reset", Trigger, Trigger.Request(), timeout=0.1)
+    assert "daemon" not in str(refused.value)
 
 
 def test_a_bridge_that_is_already_there_is_not_asked(bench: Bench, capfd: Any) -> None:

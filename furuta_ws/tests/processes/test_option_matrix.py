@@ -35,7 +35,7 @@ GIVEN = """--set zeta1=0.8 --set alpha0=0.3 | --params PARAMETERS.yaml | --rig q
 --columns a,b | --urdf ARM.urdf | --arm wrist | --pendulum wrist | --states states |
 --zero hanging | --axis JOINT.yaml | --topic x | --validate RIG.csv |
 --pid 3 6 0.2 | --cascade 10 0.3 1 | --port mock | --record BAG | --remap a:=b | --out OTHER |
---seconds 14 | --arm-guard 0.3 | --pendulum-guard 0.01"""
+--prefix left_ | --seconds 14 | --arm-guard 0.3 | --pendulum-guard 0.01"""
 TEXTS = dict(each.strip().split(" ", 1) for each in GIVEN.split("|"))
 # Cheap calls of each command. Those of LONG take seconds each.
 BASES = {
@@ -46,6 +46,7 @@ BASES = {
     "linearize": ["", "--figure-4", "--passivity"],
     "limit-cycle": ["", "--predict"],
     "export c": ["--out CODE", "--out CODE --axis JOINT.yaml"],
+    "export description": [""],
     "export urdf": ["--axis JOINT.yaml"],
     "export sdf": ["--axis JOINT.yaml"],
     "export mjcf": ["--axis JOINT.yaml", "--axis JOINT.yaml --lugre"],
@@ -66,7 +67,7 @@ LONG = {
 }
 NOTHING_TO_DRAW = "--set alpha0=0 --set alpha1=0"
 # Commands of graphs, rigs and bags, of which only the declarations are tried.
-ELSEWHERE = ("demo", "run", "view", "bag info", "bag rec", "bag rep", "hw ", "param ")
+ELSEWHERE = ("demo", "page", "run", "view", "bag info", "bag rec", "bag rep", "hw ", "param ")
 # What waits for a graph or a cluster, or compares dozens of rigs; what rightly changes nothing.
 SLOW, NO_EFFECT = (
     {"--running", "--scheduler", "--truths", "--bandwidths"},

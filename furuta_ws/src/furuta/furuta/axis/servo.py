@@ -27,7 +27,7 @@ from furuta_friction.learned_friction import LearningParameters
 from furuta_model.compiled import inlined
 from furuta_model.friction.lugre import highest_level
 from furuta_model.friction.parameters import Friction
-from furuta_model.late_drive import LateDrive
+from furuta_model.late_drive import MAX_DELAY, LateDrive
 from furuta_model.linear import KalmanParameters
 from furuta_model.parameters import ParameterError, validated
 
@@ -95,11 +95,17 @@ def observer_parameters(
 ) -> ObserverNodeParameters:
     """Parameters of the friction observer for an axis, with one of :data:`COMPENSATIONS`.
 
-    The torque of the drive is known to act after a ``delay`` [s].
+    The torque of the drive is known to act after a ``delay`` [s]. Raises :class:`ParameterError` if
+    that is more samples than an observer remembers.
 
     Viscous friction is left to damp the motion. A bristle or a Stribeck velocity that the law does
     not have is that of the paper's arm.
     """
+    late = round(delay / sample_time)
+    if late > MAX_DELAY:
+        raise ParameterError(
+            f"delay must be at most {MAX_DELAY} samples, given {delay:g} s, which is {late}"
+        )
     t, q, f = units.time, units.position, units.force
     usual, noise = ObserverParameters(), KalmanParameters().friction_process_noise
     bristle = axis.friction
@@ -118,7 +124,7 @@ def observer_parameters(
         adaptive=adaptive._replace(adaptation_gain=adaptive.adaptation_gain / t),
         bandwidth=FASTER * usual.bandwidth / t,
         learning=LearningParameters(*(rate / t for rate in learning)),
-        drive=LateDrive(round(delay / sample_time)),
+        drive=LateDrive(late),
         sample_time=sample_time,
     )
     return ObserverNodeParameters(
