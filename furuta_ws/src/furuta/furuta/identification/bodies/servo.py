@@ -23,7 +23,7 @@ from furuta.identification.bodies.body import Differentiated, Segments
 from furuta.identification.fitted import Fitted, doubts_of, natural, reported
 from furuta.identification.least_squares import Fit, Problem, evaluated, fit, projection
 from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, name_of
-from furuta.identification.verdict import Residual, Verdict
+from furuta.identification.verdict import DOUBTFUL, Residual, Verdict
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
@@ -47,6 +47,9 @@ STICTION = (0.0, 0.5)
 EXCESSES, AT_ONCE = np.geomspace(0.05, 1.5, 12), 1e-6
 # Unknowns of which every segment with motion informs.
 SURE = ("inertia", "alpha0", "viscous")
+# Correlation of a goal with itself, some time later, from which it repeats, and below which it has
+# changed before; and how often it then repeats at least.
+REPEATS, CHANGED, OFTEN = 0.97, 0.5, 4
 # Names in a report.
 NAMES: dict[Key, str] = {"alpha0": "friction", ("offset", 0): "offset"}
 # Units of what is no position, per stiffness of the loop.
@@ -178,7 +181,7 @@ def _result(cut: Segments, best: Fit, covered: np.ndarray, recording: Recording)
         errors,
         undetermined,
         {name: UNITS.get(name, recording.units[0]) for name in values},
-        Verdict.of(doubts_of(best, residual)),
+        Verdict.of([*doubts_of(best, residual), *_repeated(recording)]),
         findings_of([recording]),
         tuple(NAMES.get(key, name_of(key)) for key in best.unknowns.keys),
         natural(best, covered),
@@ -187,6 +190,26 @@ def _result(cut: Segments, best: Fit, covered: np.ndarray, recording: Recording)
         best,
         Servo(),
     )
+
+
+def _repeated(recording: Recording) -> Iterator[tuple[str, str]]:
+    """A doubt about a goal that repeats: so do the errors of the model, and segments are alike."""
+    even = np.arange(recording.time[0], recording.time[-1], recording.interval)
+    goal = recording.commanded_at(even)
+    goal = goal - np.mean(goal)
+    later = np.arange(1, len(goal) // OFTEN)
+    size = np.append(0.0, np.cumsum(goal**2))
+    together = np.correlate(goal, goal, "full")[len(goal) :][: len(later)]
+    alike = together / np.sqrt(size[len(goal) - later] * (size[-1] - size[later]) + 1e-300)
+    changed = np.maximum.accumulate(alike < CHANGED)
+    again = np.flatnonzero(changed & (alike > REPEATS))
+    if len(again):
+        first = again[0]
+        period = later[first + np.argmax(alike[first : 2 * first])] * recording.interval
+        yield (
+            DOUBTFUL,
+            f"the goal repeats every {period:.2g} s: record moves of different lengths and speeds",
+        )
 
 
 def _unknowns(values: Values, error: float, fastest: float) -> Unknowns:
