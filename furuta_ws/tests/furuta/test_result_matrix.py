@@ -330,7 +330,12 @@ def test_types_of_results_are_known() -> None:
             lines += [f"def of_{name}(it: results.{name}) -> None:", "    it.misspelt"]
             lines += [f"    reveal_type(it.{each})" for each in own]
             wrong.append(f'"{name}" has no attribute "misspelt"')
-    calls = ("limit_cycle().period_s", "simulate().command", "measure().fell", "tune().before")
+    calls = ["limit_cycle().period_s", "simulate().command", "measure().fell", "tune().before"]
+    own_body = "def identified(self, recordings: object, report: object) -> results.Fitted:"
+    lines += ["class Mine:", f"    {own_body} raise NotImplementedError"]
+    for body in ("'axis'", "'servo'", "furuta.JointBody()", "Mine()"):
+        fit = f"identify([], {body})"
+        calls += [f"{fit}.conf_int()", f"{fit}.predict", f"{fit}.residual.part"]
     lines += [f"reveal_type(furuta.{call})" for call in calls]
     command = [sys.executable, "-m", "mypy", "--strict", "-c", "\n".join(lines)]
     said = subprocess.run(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, check=False).stdout
