@@ -14,6 +14,7 @@ from paused_graph import PausedGraph
 from sources import ROOT
 
 from furuta_ros.testing import Bench
+from furuta_ros.topics import COMMAND
 
 EXAMPLES = {file.stem: file for file in sorted((ROOT / "examples").glob("*.py"))}
 NODE = EXAMPLES.pop("own_controller_node")  # does not end by itself
@@ -60,7 +61,9 @@ def test_own_controller(bench: Bench, processes: Any) -> None:
     graph = PausedGraph(bench)
     processes.furuta("run", "--lockstep", "--without", "controller", "--set", "run_until=0")
     example = processes.start(sys.executable, NODE)
+    commands = bench.collect(COMMAND)
     states = graph.run(2000)
+    bench.spin(lambda: len(commands) >= 2000, timeout=60.0)
     assert np.abs(states[:, 2]).max() < 0.1
     assert np.abs(states[1000:, 2]).max() < 0.03 < states[0, 2]
     assert np.ptp(states[:, 0]) > 0.05  # the arm moves: the pendulum is not held
