@@ -50,7 +50,6 @@ BASES = {
     "export urdf": ["--axis JOINT.yaml"],
     "export sdf": ["--axis JOINT.yaml"],
     "export mjcf": ["--axis JOINT.yaml", "--axis JOINT.yaml --lugre"],
-    "axis": ["JOINT.yaml"],
     "identify": ["SWING.csv --command none", "GOAL.csv --body servo --goal goal"],
     "bag export": ["RIG.csv --out X.csv", "SERIES.csv --out X.csv", "SERIES.npz --out X.csv"],
     "param defaults": ["controller"],
@@ -62,7 +61,12 @@ LONG = {
         *("RIG.csv", "AXIS.csv --body axis"),
         "AXIS.csv --body joint --joint position --moving wrist=wrist",
     ],
-    "axis": ["--inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction --pid 2 6 0.12"],
+    "axis": [
+        *(
+            "JOINT.yaml",
+            "--inertia 0.01 --friction alpha0=0.1,alpha1=0.05 --law stiction --pid 2 6 .12",
+        )
+    ],
     "limit-cycle": ["--over omega1=6:6.2", "--over omega1=6:7:2 --over omega2=5:6:2"],
 }
 NOTHING_TO_DRAW = "--set alpha0=0 --set alpha1=0"
