@@ -61,6 +61,7 @@ def test_from_a_recording_to_a_compensation(tmp_path: Path) -> None:
     written = furuta.read_joint_file(path)
     assert written.joint == "left/elbow"
     assert (written.controller, written.rule) == (PID, rule)
+    assert written.axis().draws() == fit.draws()
     assert written.parameters["axis.inertia"] == pytest.approx(axis.inertia, rel=1e-5)
     assert f"axis.viscous: {axis.friction.viscous:.6g}  # ± " in path.read_text()
     hunting = settled(AXIS, PID, cycle)
