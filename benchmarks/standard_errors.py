@@ -30,7 +30,7 @@ from logged_rigs import logged_rig
 from furuta.identification.axis.identify import identify_axis
 from furuta.identification.bodies.arm_joint import identify_arm_joint
 from furuta.identification.bodies.servo import identify_servo
-from furuta.identification.fitted import Estimates
+from furuta.identification.estimates import Estimates
 from furuta.identified_models import identify
 from furuta_model.parameters import ParameterError
 from furuta_recordings.recording import Recording

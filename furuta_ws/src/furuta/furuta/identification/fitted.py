@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from furuta.identification.axis.segments import segmented
+from furuta.identification.axis.segments import forced_motion, segmented
 from furuta.identification.bodies.body import Body, Segments
 from furuta.identification.estimates import Estimates
 from furuta.identification.least_squares import Fit, Problem, fit
@@ -57,8 +57,8 @@ class Fitted(Estimates):
         """
         positions = np.full(len(recording.time), np.nan)
         for run in self._runs(recording):
-            cut, found = self._free_run(run)
-            _, origin = self._prepared(run)
+            ready, origin = self._prepared(run)
+            cut, found = self._free_run(ready)
             there = (recording.time >= run.time[0]) & (recording.time <= run.time[-1])
             moved = cut.measured[:, 0] - found.state.residuals[:, 0] / cut.weight[:, 0]
             positions[there] = np.interp(recording.time[there] - origin, cut.time, moved)
@@ -76,8 +76,8 @@ class Fitted(Estimates):
         runs = self._runs(recording)
         squares = []
         for run in runs:
-            cut, found = self._free_run(run, free)
-            squares.append(len(run.time) * (found.rms / float(cut.weight[0, 0])) ** 2)
+            cut, found = self._free_run(self._prepared(run)[0], free)
+            squares.append(len(run.time) * (found.rms * cut.noise) ** 2)
         return float(np.sqrt(np.sum(squares) / sum(len(run.time) for run in runs)))
 
     def _runs(self, recording: Recording) -> list[Recording]:
@@ -89,10 +89,10 @@ class Fitted(Estimates):
         except ParameterError:  # all are short
             return [recording]
 
-    def _free_run(self, run: Recording, free: Sequence[Key] = ()) -> tuple[Segments, Fit]:
-        """A run as one segment, and its fit of what is ``free``."""
+    def _free_run(self, ready: Recording, free: Sequence[Key] = ()) -> tuple[Segments, Fit]:
+        """A prepared run as one segment, and its fit of what is ``free``."""
         assert self.body is not None
-        cut = segmented([self._prepared(run)[0]], np.inf)
+        cut = segmented([ready], np.inf)
         unknowns, values = self._unknowns(free), self._for_others()
         return cut, fit(Problem(self.body, cut, unknowns), values)
 
@@ -159,6 +159,12 @@ def doubts_of(
         yield DOUBTFUL, "the inertia is not determined: record a motion that accelerates"
     elif inertia_error > LARGEST_ERROR:
         yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
+
+
+def residual_of(best: Fit, cut: Segments, sensor: float) -> Residual:
+    """What a fit leaves of the motion that forces cause, and in the noise of the ``sensor``."""
+    left = best.rms * cut.noise
+    return Residual("motion", left / sensor, left / forced_motion(cut))
 
 
 def natural(best: Fit, covered: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ from furuta_recordings.readers.mapping import NO_COMMAND
 
 if TYPE_CHECKING:
     from furuta import Recording
-    from furuta.identification.fitted import Estimates
+    from furuta.identification.estimates import Estimates
     from furuta.results.identified import Fits
 
 Report = Callable[[str], None]

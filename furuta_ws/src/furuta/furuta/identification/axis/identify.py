@@ -22,7 +22,7 @@ from furuta.identification.axis.effects import (
 )
 from furuta.identification.axis.fit import AxisFit
 from furuta.identification.axis.preparation import prepared, unit_of
-from furuta.identification.axis.segments import forced_motion, segmented, smoothed
+from furuta.identification.axis.segments import segmented, smoothed
 from furuta.identification.axis.start import first_values
 from furuta.identification.bodies.axis import Axis, wave
 from furuta.identification.bodies.body import Segments
@@ -33,6 +33,7 @@ from furuta.identification.fitted import (
     doubts_of,
     natural,
     reported,
+    residual_of,
 )
 from furuta.identification.least_squares import COARSE, Fit
 from furuta.identification.options import silent
@@ -87,7 +88,7 @@ def identify_axis(
         base = _from_torques(cut, base, torques, scales)
     if base.rms > POOR:
         base = min([base, *(other for other, _ in starts)], key=lambda each: each.cost)
-    sensor = _noise(cut)
+    sensor = cut.noise
     left = residual_of(base, cut, sensor)
     for _ in range(REWEIGHTED):
         cut, base = _reweighted(cut, base, scales)
@@ -115,12 +116,6 @@ def identify_axis(
             "and clock of the torque"
         )
     return _result(ready, cut, best, scales, left)
-
-
-def residual_of(best: Fit, cut: Segments, sensor: float) -> Residual:
-    """What a fit leaves of the motion that forces cause, and in the noise of the ``sensor``."""
-    left = best.rms * _noise(cut)
-    return Residual("motion", left / sensor, left / forced_motion(cut))
 
 
 def _reweighted(cut: Segments, best: Fit, scales: Scales) -> tuple[Segments, Fit]:
@@ -304,8 +299,3 @@ def _together(key: Key, best: Fit) -> Group:
     """The unknowns that are one effect: those of gravity, or of a wave."""
     group = wave(int(key[1])) if field_of(key) in ("cos", "sin") else GRAVITY
     return group if key in group and set(group) <= set(best.unknowns.keys) else (key,)
-
-
-def _noise(cut: Segments) -> float:
-    """Standard deviation of a position."""
-    return float(1.0 / cut.weight[0, 0])

@@ -37,6 +37,11 @@ class Segments(NamedTuple):
         """Samples of each segment (s,)."""
         return np.diff(self.bounds)
 
+    @property
+    def noise(self) -> float:
+        """Residual of a position, the first channel, that counts as one."""
+        return float(1.0 / self.weight[0, 0])
+
     def with_noise(self, factor: float, correlated: float) -> Segments:
         """With a noise that is larger by a factor, and first states that are as uncertain."""
         weight, spread = self.weight / factor, self.spread * factor

@@ -17,13 +17,13 @@ import numpy as np
 
 from furuta.identification.axis.averaging import explained_by, few, mixture_errors
 from furuta.identification.axis.motion import AxisModel, next_slide
-from furuta.identification.axis.segments import forced_motion, segmented, smoothed
+from furuta.identification.axis.segments import segmented, smoothed
 from furuta.identification.bodies.axis import NOTHING, model_of
 from furuta.identification.bodies.body import Differentiated, Segments
-from furuta.identification.fitted import Fitted, doubts_of, natural, reported
+from furuta.identification.fitted import Fitted, doubts_of, natural, reported, residual_of
 from furuta.identification.least_squares import Fit, Problem, evaluated, fit, projection
 from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, name_of
-from furuta.identification.verdict import DOUBTFUL, Residual, Verdict
+from furuta.identification.verdict import DOUBTFUL, Verdict
 from furuta_model.compiled import compiled
 from furuta_model.parameters import ParameterError
 from furuta_model.state import PHI
@@ -175,7 +175,7 @@ def _result(cut: Segments, best: Fit, covered: np.ndarray, recording: Recording)
         late = recording.commanded_at(recording.time) - recording.measured[:, PHI]
         largest = float(np.max(np.abs(late)))
         undetermined["limit"] = f"the loop does not reach it: at least {largest:.3g}"
-    residual = Residual("motion", best.rms, best.rms / float(cut.weight[0, 0]) / forced_motion(cut))
+    residual = residual_of(best, cut, cut.noise)
     return Fitted(
         values,
         errors,
