@@ -44,6 +44,9 @@ SMALLEST_FREE_RUN_FIT, SEGMENT = 80.0, 1.0
 # The same before waves of the torque are looked for, which do not make up for more.
 HOPELESS_FREE_RUN_FIT = 60.0
 NOT_FOLLOWED = "no free run follows the recordings to the end"
+# How far an arm gives way while it sticks changes when it breaks away, and so all other values. It
+# is fitted even if the recordings do not show its value.
+STIFFNESS = "sigma0"
 # How often waves of the torque are looked for: strong ones hide weaker ones.
 ROUNDS_OF_WAVES = 2
 # What no fit can find of an arm that turns in one direction only; the Coulomb friction that is then
@@ -79,6 +82,7 @@ def fit_swinging(
     zeros = ["zero"] if len(numbers) == 1 else zeros
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
     optimum = _common_fit(recordings, [*keys, *zeros, *ceiling], own_fits, window)
+    optimum = optimum.refitted([*optimum.keys, STIFFNESS], optimum.values)
     free = options.window is None
     why = NOT_FOLLOWED if free and worst_pendulum_fit(optimum) < HOPELESS_FREE_RUN_FIT else ""
     if not why:

@@ -55,7 +55,7 @@ UNKNOWNS = {
     "pendulum_viscous": Range(0.0, 100.0),  # V s/rad
     "pendulum_coulomb": Range(0.0, 100.0, 0.0, 0.02),  # V
     # A command that passes a step of the integration moves the prediction by a stair.
-    "delay": Range(0.0, 0.05, 0.0, 0.005, step=1e-4),  # s
+    "delay": Range(-0.05, 0.05, 0.0, 0.005, step=1e-4),  # s
     "lag": Range(0.0, 0.05, 0.0, 0.01),  # s
     "tilt_x": Range(-0.3, 0.3, 0.0, 0.05),  # rad
     "tilt_y": Range(-0.3, 0.3, 0.0, 0.05),  # rad
