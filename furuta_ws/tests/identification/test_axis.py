@@ -9,7 +9,6 @@ from sources import RECORDINGS
 from true_axes import TrueAxis, multisine, recorded
 
 from furuta.axis.draws import drawn_axes
-from furuta.identification.axis import effects
 from furuta.identification.axis.fit import AxisFit
 from furuta.identification.axis.friction_curve import axis_followed, axis_friction
 from furuta.identification.axis.identify import identify_axis
@@ -179,9 +178,8 @@ def test_what_the_model_does_not_have_is_doubtful() -> None:
     assert any("something acts" in reason for reason in fit.reasons)
 
 
-def test_a_search_goes_on_after_the_last_wave(monkeypatch: pytest.MonkeyPatch) -> None:
-    """An axis that has all the waves it may have can still have drag and drift."""
-    monkeypatch.setattr(effects, "MOST_WAVES", 1)
+def test_a_wave_beside_drag_and_drift() -> None:
+    """All three are found."""
     axis = PLAIN._replace(order=7.0, wave=0.03, drag=0.002, drift=0.004)
     fit = identify_axis(sampled(axis, size=2.0))
     assert fit.usable == "yes"

@@ -9,6 +9,7 @@ from sources import RECORDINGS
 
 import furuta
 from furuta.identification.identify import identify, validate
+from furuta.identification.least_squares import Fit
 from furuta.identification.model import Model, Prediction
 from furuta.identification.options import Options
 from furuta.identification.result.identified_rig import (
@@ -170,7 +171,7 @@ def test_errors_beyond_all_bodies_are_not_linear(
     found = (model.values, model.window, model.scale)
     optimum = optimise(model.recordings, BODY, *found, robust=False)
     assert covariance.is_linear(optimum)
-    monkeypatch.setattr(covariance, "block_covariance", lambda *_: 1e6 * np.eye(len(BODY)))
+    monkeypatch.setattr(Fit, "covariance", 1e6 * np.eye(len(BODY)))
     assert not covariance.is_linear(optimum)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from furuta.identification.axis.segments import forced_motion, segmented
 from furuta.identification.bodies.body import Body, Segments
 from furuta.identification.estimates import Estimates
 from furuta.identification.least_squares import Fit, Problem, fit
-from furuta.identification.selection import chance_of
+from furuta.identification.selection import chance_of, significance
 from furuta.identification.unknowns import Key, Unknowns, field_of, name_of
 from furuta.identification.verdict import DOUBTFUL, Residual
 from furuta_model.parameters import ParameterError
@@ -121,44 +121,77 @@ class Fitted(Estimates):
         }
 
 
+class Report(NamedTuple):
+    """Values and standard errors of what is determined, and why the rest is not."""
+
+    values: dict[str, float]
+    errors: dict[str, float]
+    undetermined: dict[str, str]
+
+    def add(self, name: str, value: float, error: float, certain: bool) -> None:
+        """A value with its standard error, if it is ``certain`` that it is not 0."""
+        self.remove(name)
+        if certain:
+            self.values[name], self.errors[name] = value, error
+        else:
+            self.undetermined[name] = f"{value:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
+
+    def remove(self, name: str) -> None:
+        """Nothing is said of it."""
+        for each in self:
+            each.pop(name, None)
+
+    def withhold(self, reasons: Mapping[str, str]) -> None:
+        """What is not determined, by name."""
+        for name, reason in reasons.items():
+            self.remove(name)
+            self.undetermined[name] = reason
+
+
 def reported(
     best: Fit,
     covered: np.ndarray,
     groups: Mapping[Key, Iterable[Sequence[Key]]],
     named: Mapping[Key, str],
-) -> tuple[dict[str, float], dict[str, float], dict[str, str]]:
-    """Values and standard errors of what is determined, and why the rest is not.
+) -> Report:
+    """What a fit tells.
 
     All ``groups`` of unknowns that a value has must be distinguishable from 0; an offset may be 0.
     """
-    values: dict[str, float] = {}
-    errors: dict[str, float] = {}
-    undetermined: dict[str, str] = {}
+    found = Report({}, {}, {})
     sizes = best.unknowns.all("size")
-    for key, size, own in zip(best.unknowns.keys, sizes, np.sqrt(np.diag(covered)), strict=True):
-        name, value, error = named.get(key, name_of(key)), best.values[key], float(size * own)
+    for key, size, own in zip(best.keys, sizes, np.sqrt(np.diag(covered)), strict=True):
         certain = all(
             chance_of(best, group, covered) < BY_CHANCE for group in groups.get(key, [(key,)])
         )
-        if certain or (field_of(key) == "offset" and own < 1.0):
-            values[name], errors[name] = float(value), error
-        else:
-            undetermined[name] = f"{value:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
-    return values, errors, undetermined
+        certain |= field_of(key) == "offset" and own < 1.0
+        name = named.get(key, name_of(key))
+        found.add(name, float(best.values[key]), float(size * own), certain)
+    return found
+
+
+def is_certain(value: float, error: float, blocks: int) -> bool:
+    """Whether a value is distinguishable from 0."""
+    return significance(np.array([value]), np.array([[error**2]]), blocks) < BY_CHANCE
 
 
 def doubts_of(
-    best: Fit, residual: Residual, inertia_error: float = 0.0
+    best: Fit, residual: Residual, report: Report, needed: bool = True
 ) -> Iterator[tuple[str, str]]:
-    """What makes values less usable, of any body: each a grade and its reason."""
+    """What makes values less usable, of any body: each a grade and its reason.
+
+    The inertia may be ``needed``.
+    """
     yield from residual.doubts()
-    segments, unknown = best.segments, len(best.unknowns)
+    segments, unknown = best.segments, best.determined
     if segments < FEWEST_SEGMENTS * unknown:
-        yield DOUBTFUL, f"{segments} segments for {unknown} unknowns: record for longer"
-    if not np.isfinite(inertia_error):
+        yield DOUBTFUL, f"{segments} segments for {unknown:.0f} unknowns: record for longer"
+    inertia = report.values.get("inertia", 0.0) if needed else np.inf
+    error = report.errors.get("inertia", 0.0)
+    if not inertia:
         yield DOUBTFUL, "the inertia is not determined: record a motion that accelerates"
-    elif inertia_error > LARGEST_ERROR:
-        yield DOUBTFUL, f"the inertia is known to {100.0 * inertia_error:.0f} % only"
+    elif error > LARGEST_ERROR * inertia:
+        yield DOUBTFUL, f"the inertia is known to {100.0 * error / inertia:.0f} % only"
 
 
 def residual_of(best: Fit, cut: Segments, sensor: float) -> Residual:

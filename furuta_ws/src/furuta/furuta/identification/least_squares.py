@@ -92,6 +92,19 @@ class Linearised(NamedTuple):
         """Decrease of the cost by a step (p,) that this linear problem promises."""
         return self.promise + float(2.0 * self.gradient @ step - step @ self.information @ step)
 
+    def first(self, count: int) -> Linearised:
+        """The problem of the first unknowns alone."""
+        return self._replace(
+            information=self.information[:count, :count],
+            gradient=self.gradient[:count],
+            blocks=self.blocks[:, :count, :count],
+            scores=self.scores[:, :count],
+            back=self.back[:, :, :count],
+            columns=self.columns[:, :, :count],
+            prior=self.prior[:count],
+            scatter=self.scatter[:count],
+        )
+
 
 class Fit(NamedTuple):
     """A fit: what was fitted, where it ended, and what errors are computed from."""
@@ -99,6 +112,11 @@ class Fit(NamedTuple):
     unknowns: Unknowns
     state: State
     about: Linearised
+
+    @property
+    def keys(self) -> tuple[Key, ...]:
+        """The fitted unknowns."""
+        return self.unknowns.keys
 
     @property
     def values(self) -> Values:
@@ -116,9 +134,16 @@ class Fit(NamedTuple):
         return len(self.about.scores)
 
     @property
+    def determined(self) -> float:
+        """The number of unknowns that the data determine; of one that they hardly do, a part."""
+        of_prior = np.diag(inverse(self.about.information)) * self.about.prior
+        return float(len(self.unknowns) - np.sum(np.clip(of_prior, 0.0, 1.0)))
+
+    @property
     def rms(self) -> float:
-        """Root mean square of the residuals, in what counts as one."""
-        return float(np.sqrt(np.mean(self.state.residuals**2)))
+        """Root mean square of the residuals of what was measured, in what counts as one."""
+        r = self.state.residuals
+        return float(np.sqrt(np.sum(r**2) / max(np.count_nonzero(r), 1)))
 
     @property
     def covariance(self) -> np.ndarray:

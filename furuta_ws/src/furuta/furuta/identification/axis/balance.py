@@ -8,30 +8,37 @@ bump and integrated by parts, so that torque and acceleration are filtered alike
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from furuta.identification.axis.averaging import explained_by
+from furuta.identification.averaging import (
+    Averaged,
+    Candidate,
+    Catalogue,
+    Group,
+    Model,
+    Neighbourhood,
+    explained_by,
+    most_probable,
+)
 from furuta.identification.axis.effects import (
     FALL,
     GRAVITY,
-    MOST_WAVES,
+    LOADED,
     STRIBECK,
-    WAVE_BY_CHANCE,
-    Group,
+    SURE,
     Scales,
-    smooth_effects,
+    catalogue_of,
     wave_groups,
-    waves_of,
 )
 from furuta.identification.axis.segments import Smoothed, position_noise, smoothed
 from furuta.identification.axis.start import SLIDES
 from furuta.identification.errors import inverse
 from furuta.identification.least_squares import Fit, Linearised, State
 from furuta.identification.regression.windows import Windows, shortest
-from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Key, Unknowns, Values
 from furuta.identification.verdict import Residual
 from furuta_model.state import PHI
@@ -47,25 +54,23 @@ ROUNDING = 1e-9
 # Length [s] of a block of the jackknife, fewest blocks for each unknown, more than a recording has;
 # windows begin by this part of their length apart.
 BLOCK, FEWEST_BLOCKS, MANY, APART = 0.5, 2.0, 10**9, 0.25
-# Largest probability by chance of an effect: errors of the torque that repeat with the motion look
-# like one.
-BY_CHANCE = 1e-3
-# Unknowns of a fit of the motion that are fitted only if the torques show them.
-TESTED = ("delay", "spring", *GRAVITY)
-# Part of a column that others do not explain, below which it is left out.
-INDEPENDENT = 0.02
+# Unknowns of a fit of the motion that are fitted only if the torques show them, and the delay [s]
+# that is expected beforehand.
+TESTED, DELAY = ("delay", "spring", *GRAVITY), 0.01
+# How often the residuals of the last fit are taken for the noise.
+REWEIGHTED = 2
 # Usual intervals from which two samples have a gap between them.
 GAP = 5.0
 
 
 class Balance(NamedTuple):
-    """A fit of torques, its covariance (p, p) in sizes, and what it leaves of the torque.
+    """A fit of torques, its errors, and what it leaves of the torque.
 
     ``start`` are the values with a fall of friction, if that explains more.
     """
 
     fit: Fit
-    covariance: np.ndarray
+    averaged: Averaged
     part: float
     start: Values
 
@@ -76,11 +81,15 @@ class Balance(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Columns of the balance by key (n,), torque (n,) and block of each row (n,)."""
+    """Columns of the balance by key (n,), torque (n,) and block of each row (n,).
+
+    ``noise`` is the torque that a residual of one is.
+    """
 
     columns: dict[Key, np.ndarray]
     torque: np.ndarray
     block: np.ndarray
+    noise: float = 1.0
 
 
 # The columns of a recording's balance, its torque among them, averaged over windows.
@@ -88,16 +97,15 @@ Columns = Callable[[Windows, Recording, Smoothed], dict[Key, np.ndarray]]
 
 
 def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Balance | None:
-    """The fit with all effects that the torques support; None if too little of them slides.
-
-    It has no delay, which a slow motion does not show.
-    """
-    keys = [key for key in about.unknowns.keys if key not in TESTED]
+    """The fit with all effects that the torques support; None if too little of them slides."""
+    keys = [key for key in about.keys if key not in TESTED]
     if min(map(_longest, recordings)) < SHORTEST:
         return None
+    drifts = catalogue_of(drift=len(recordings) == 1, without=[LOADED])
+    catalogue = drifts._replace(effects=[("delay",), *drifts.effects])
 
     def columns(windows: Windows, recording: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
-        found = torque_columns(windows, recording, part, wave_groups(scales), scales.level)
+        found = torque_columns(windows, recording, part, wave_groups(), scales.level)
         for number, relative in enumerate(STRIBECK[1:]):
             fallen = np.exp(-((part.speed / (relative * scales.speed)) ** 2))
             found[FALL[0], number] = found["alpha0"] * windows.mean(fallen)
@@ -107,16 +115,10 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     rows = sliding_rows(recordings, length, columns)
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
-    singles = ("spring", *smooth_effects(drift=len(recordings) == 1))
-    groups: list[Group] = [
-        *((name,) for name in singles),
-        *((GRAVITY,) if GRAVITY[0] in about.unknowns.keys else ()),
-    ]
-    absent: list[Key] = [FALL[0], *TESTED]
-    values = {**about.values, **dict.fromkeys(absent, 0.0)}
-    best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, groups)
-    covered = covariance_with_missed(rows, best, scales, [("delay",), *groups])
-    return Balance(best, covered, left_over(rows, best), _with_fall(rows, best, scales))
+    values = {**about.values, **dict.fromkeys((FALL[0], *TESTED), 0.0)}
+    rows, best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, catalogue)
+    averaged = averaged_balance(rows, best, scales, catalogue)
+    return Balance(best, averaged, left_over(rows, best), _with_fall(rows, best, scales))
 
 
 def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
@@ -125,16 +127,17 @@ def _with_fall(rows: Rows, best: Fit, scales: Scales) -> Values:
     for number, relative in enumerate(STRIBECK[1:]):
         columns = rows.columns | {FALL[0]: rows.columns[FALL[0], number]}
         values = {**best.values, FALL[1]: relative * scales.speed}
-        keys = (*best.unknowns.keys, FALL[0])
-        other = fitted_balance(rows._replace(columns=columns), keys, scales, values)
+        other = fitted_balance(
+            rows._replace(columns=columns), (*best.keys, FALL[0]), scales, values
+        )
         found = other if other.values[FALL[0]] > 0.0 and other.cost < found.cost else found
-    gained = explained_by(best.cost, found.cost, len(rows.torque) / best.segments * best.rms**2)
+    gained = explained_by(best.cost, found.cost, best.inflation(SURE))
     return found.values if gained > np.log(len(STRIBECK)) else best.values
 
 
 def left_over(rows: Rows, best: Fit) -> float:
     """Residuals as a part of the torque."""
-    return float(np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
+    return float(rows.noise * np.std(best.state.residuals) / (np.std(rows.torque) or 1e-300))
 
 
 def window_length(recording: Recording, least: float = SHORTEST, small: float = SMALL) -> float:
@@ -219,68 +222,67 @@ def torque_columns(
 
 
 def fitted_balance(rows: Rows, keys: Sequence[Key], scales: Scales, values: Values) -> Fit:
-    """Least squares of the torques, in which residuals have the unit of torque."""
+    """Least squares of the torques."""
     values = {**dict.fromkeys(keys, 0.0), **values}
-    unknowns = Unknowns(scales.unknown(key, values) for key in keys)
-    size, prior = unknowns.all("size"), (unknowns.all("size") / unknowns.all("spread")) ** 2
-    columns = np.column_stack([rows.columns[key] for key in keys]) * size
-    free, *_ = np.linalg.lstsq(columns, rows.torque, rcond=None)
-    noise = float(np.std(rows.torque - columns @ free)) or 1e-300
-    x, y = columns / noise, rows.torque / noise
-    information = x.T @ x + np.diag(prior)
-    step = inverse(information) @ (x.T @ y)
-    left = y - x @ step
+    unknowns = _unknowns(keys, scales, values)
+    start = unknowns.changed(values, np.zeros(len(unknowns)))
+    about, _ = _linear(rows, unknowns, start)
+    step = inverse(about.information) @ about.gradient
+    there = unknowns.changed(values, unknowns.all("size") * step)
+    about, left = _linear(rows, unknowns, there)
+    none, prior = np.zeros((0, 0)), step @ (about.prior * step)
+    return Fit(unknowns, State(there, none, left[:, None], none, float(left @ left + prior)), about)
+
+
+def _unknowns(keys: Iterable[Key], scales: Scales, values: Values) -> Unknowns:
+    each = (scales.unknown(key, values) for key in keys)
+    return Unknowns(u._replace(spread=DELAY) if u.key == "delay" else u for u in each)
+
+
+def _linear(rows: Rows, unknowns: Unknowns, values: Values) -> tuple[Linearised, np.ndarray]:
+    """The problem about values, and the residuals (n,)."""
+    size, vector = unknowns.all("size"), unknowns.vector(values)
+    columns = np.column_stack([rows.columns[key] for key in unknowns.keys])
+    left = (rows.torque - columns @ vector) / rows.noise
+    x, prior = columns * size / rows.noise, (size / unknowns.all("spread")) ** 2
     starts = np.flatnonzero(np.diff(rows.block, prepend=-1.0))
     scores = np.add.reduceat(x * left[:, None], starts)
-    blocks = np.add.reduceat(x[:, :, None] * x[:, None, :], starts)
+    edges = itertools.pairwise([*starts, len(x)])
+    blocks = np.array([x[a:b].T @ x[a:b] for a, b in edges])
+    information = blocks.sum(axis=0) + np.diag(prior)
+    gradient = scores.sum(axis=0) - prior * vector / size
     none = np.zeros((0, 0))
-    linear = Linearised(
-        information, 0.0 * step, blocks, scores, none, none, x, none, prior, prior, 0.0
+    about = Linearised(
+        information, gradient, blocks, scores, none, none, x, none, prior, prior, 0.0
     )
-    cost = float(np.sum((noise * left) ** 2))
-    there = unknowns.changed(values, size * step)
-    return Fit(unknowns, State(there, none, noise * left[:, None], none, cost), linear)
+    return about, left
 
 
-def with_effects(rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]) -> Fit:
-    """The fit with all effects that the blocks support, ``more`` and waves."""
-    groups = [*more, *wave_groups(scales)]
-    while True:
-        if len(waves_of(best)) >= MOST_WAVES:
-            groups = [group for group in groups if group in more]
-        found = []
-        for group in groups:
-            if not independent(rows, best.unknowns.keys, group):
-                continue
-            wider = fitted_balance(rows, (*best.unknowns.keys, *group), scales, best.values)
-            if chance_of(wider, group) < (BY_CHANCE if group in more else WAVE_BY_CHANCE):
-                found.append((wider.cost, group, wider))
-        if not found:
-            return best
-        _, chosen, best = min(found, key=lambda each: each[0])
-        groups.remove(chosen)
+def _about(rows: Rows, best: Fit, scales: Scales, catalogue: Catalogue) -> Neighbourhood:
+    """All models about a fit."""
+    keys = catalogue.keys(best.keys)
+    values = {**best.values, **dict.fromkeys([key for key in keys if key not in best.keys], 0.0)}
+    unknowns = _unknowns(keys, scales, values)
+    return Neighbourhood.of(_linear(rows, unknowns, values)[0], unknowns, values, best, SURE)
 
 
-def independent(rows: Rows, known: Sequence[Key], more: Sequence[Key]) -> bool:
-    """Whether further columns act differently from those that are fitted."""
-    basis, _ = np.linalg.qr(np.column_stack([rows.columns[key] for key in known]))
-    for key in more:
-        column = rows.columns[key]
-        left = column - basis @ (basis.T @ column)
-        if np.linalg.norm(left) < INDEPENDENT * np.linalg.norm(column):
-            return False
-    return True
+def with_effects(rows: Rows, base: Fit, scales: Scales, catalogue: Catalogue) -> tuple[Rows, Fit]:
+    """The fit with all effects that the blocks support, and rows with its residuals as noise."""
+
+    def models(best: Fit) -> list[Candidate]:
+        return _about(rows, best, scales, catalogue).candidates(catalogue)
+
+    def refitted(best: Fit, model: Model) -> Fit:
+        return fitted_balance(rows, model.keys(best.keys), scales, best.values)
+
+    for _ in range(REWEIGHTED):
+        rows = rows._replace(noise=rows.noise * base.rms or 1.0)
+        base = fitted_balance(rows, base.keys, scales, base.values)
+        base = most_probable(base, models, refitted, SURE)
+    return rows, base
 
 
-def covariance_with_missed(
-    rows: Rows, best: Fit, scales: Scales, more: Sequence[Group]
-) -> np.ndarray:
-    """Covariance (p, p) in sizes, with how effects that were not found would change the values."""
-    covered, keys = best.covariance, best.unknowns.keys
-    for group in more:
-        if group[0] not in keys:
-            other = fitted_balance(rows, (*keys, *group), scales, best.values).values
-            shift = best.unknowns.vector(other) - best.unknowns.vector(best.values)
-            relative = shift / best.unknowns.all("size")
-            covered = covered + np.outer(relative, relative)
-    return covered
+def averaged_balance(rows: Rows, best: Fit, scales: Scales, catalogue: Catalogue) -> Averaged:
+    """Errors over all models that explain the torques about as well."""
+    there = _about(rows, best, scales, catalogue)
+    return there.averaged(there.candidates(catalogue))

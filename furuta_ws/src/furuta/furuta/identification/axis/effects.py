@@ -6,15 +6,19 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
-from furuta.identification.axis.averaging import (
+from furuta.identification.averaging import (
+    ORDERS,
+    SURER,
     Averaged,
     Candidate,
+    Catalogue,
+    Group,
     Model,
     Neighbourhood,
     explained_by,
     log_odds,
     mixture_errors,
-    neighbours,
+    most_probable,
 )
 from furuta.identification.axis.start import EARLIEST
 from furuta.identification.bodies.axis import Axis, wave
@@ -32,14 +36,6 @@ from furuta.identification.least_squares import (
 )
 from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, field_of
 
-# Unknowns that are one effect.
-Group = tuple[Key, ...]
-# Waves of the torque over the turn that an axis may have.
-MOST_WAVES = 3
-# Largest probability of an effect by chance at which it is fitted; a wave is the best of many.
-BY_CHANCE, WAVE_BY_CHANCE = 0.01, 1e-5
-# Orders of waves that are tried, and turns of a wave that the axis must travel.
-ORDERS, TURNS = range(2, 49), 1.0
 # Levels of what stiction adds, relative to the Coulomb level, and Stribeck velocities relative to
 # the usual speed, that are tried.
 EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
@@ -53,9 +49,6 @@ FALL = ("alpha1", "stribeck_velocity")
 # Factors about a fall that is known, and searches for a fall.
 NEAR = np.append(1.0, 1.0 + np.outer((-1.0, 1.0), (0.01, 0.02, 0.04, 0.07, 0.12, 0.2, 0.35)))
 FALLS, MOST_FALLS = 3, 2
-# Most changes of the model, and those that a fit may refuse; logarithm of the evidence from which
-# one is made.
-MOST_CHANGES, MOST_REFUSED, SURER = 15, 3, 0.5
 # Decrease of the cost at which a fit on the way ends, in what is one of independent residuals.
 ROUGH = 0.5
 # Stribeck velocity, relative to the usual speed, of a fall that is over at once, which is stiction,
@@ -106,6 +99,7 @@ class Scales:
             "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
             "load_friction": (SIZE_OF_LOAD, LOAD),
+            "gravity_friction": (SIZE_OF_LOAD, LOAD),
         }.get(field, (self.level, effect))
         factor = FACTOR if field in POSITIVE else np.inf
         return Unknown(key, LOWEST.get(field, -np.inf), spread=spread, size=size, factor=factor)
@@ -136,64 +130,50 @@ def rough(about: Fit) -> float:
 
 
 def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
-    """The most probable model that is found by single changes, each refitted."""
-    best, refused, falling = base, set[frozenset[Key]](), True
-    for _ in range(MOST_CHANGES):
-        _, candidates = about_models(cut, best, scales, drift)
-        chosen = max(
-            (c for c in candidates if frozenset(keys_of(best, c.model)) not in refused),
-            key=lambda each: each.evidence,
+    """The most probable model that is found by single changes, each refitted.
+
+    Effects that a fall of friction may stand for come after the search for one.
+    """
+
+    def refitted(best: Fit, model: Model) -> Fit:
+        keys = model.keys(best.keys)
+        gone = [key for key in best.keys if key not in keys]
+        values = {**best.values, **dict.fromkeys(gone, 0.0)}
+        return fitted(cut, keys, scales, values, best.state.first, rough(best))
+
+    def searched(best: Fit, without: Sequence[Key] = ()) -> Fit:
+        catalogue = catalogue_of(drift, without)
+        return most_probable(
+            best,
+            lambda each: _neighbourhood(cut, each, scales, catalogue).candidates(catalogue),
+            refitted,
+            SURE,
         )
-        ends = not chosen.evidence > SURER or len(refused) >= MOST_REFUSED
-        like_a_fall = any(group[0] in LIKE_A_FALL for group in chosen.model.added)
-        fall = None
-        if falling and (ends or (like_a_fall and not best.values["alpha1"])):
-            fall, falling = _falling(cut, best, scales), False
-        if ends and fall is None:
+
+    best = searched(base, LIKE_A_FALL)
+    for _ in range(FALLS):
+        fall = _falling(cut, best, scales)
+        before, best = best, searched(fall or best)
+        if fall is None and best is before:
             break
-        if ends:
-            best, falling = fall or best, True
-            continue
-        keys, values = _without(best, [key for group in chosen.model.dropped for key in group])
-        keys += [key for group in chosen.model.added for key in group]
-        other = fitted(cut, keys, scales, values, best.state.first, rough(best))
-        gained = explained_by(best.cost, other.cost, best.inflation(SURE)) + chosen.expected
-        if fall is not None and fall.cost < other.cost:
-            best, falling = fall, True
-        elif gained > 0.0:
-            best, falling = other, True
-        else:
-            refused.add(frozenset(keys))
-    best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
-    falls = best.values["alpha1"] or FALL[0] in best.unknowns.keys
+    best = fitted(cut, best.keys, scales, best.values, best.state.first)
+    falls = best.values["alpha1"] or FALL[0] in best.keys
     return _with_fall_or_without(cut, best, scales) if falls else best
 
 
-def keys_of(best: Fit, model: Model) -> list[Key]:
-    """The unknowns of a model."""
-    dropped = {key for group in model.dropped for key in group}
-    added = [key for group in model.added for key in group]
-    return [key for key in best.unknowns.keys if key not in dropped] + added
+def catalogue_of(drift: bool, without: Sequence[Key] = ()) -> Catalogue:
+    """All effects that an axis may have."""
+    loads: list[Group] = [("spring",), GRAVITY, *wave_groups()]
+    singles = [(n,) for n in (*smooth_effects(drift), LOADED) if n not in without]
+    return Catalogue([*loads, *singles], loads)
 
 
-def about_models(
-    cut: Segments, best: Fit, scales: Scales, drift: bool
-) -> tuple[Neighbourhood, list[Candidate]]:
-    """The models about a fit, by one step each."""
-    known = best.unknowns.keys
-    loads: list[Group] = [("spring",), GRAVITY, *map(wave, ORDERS)]
-    catalogue = [*loads, *((n,) for n in smooth_effects(drift)), (LOADED,)]
-    present = [group for group in catalogue if group[0] in known]
-    absent = [group for group in catalogue if group[0] not in known]
-    keys = (*known, *(key for group in absent for key in group))
-    about = _about(cut, best, keys, scales)
+def _neighbourhood(cut: Segments, best: Fit, scales: Scales, catalogue: Catalogue) -> Neighbourhood:
+    """The models about a fit."""
+    keys = catalogue.keys(best.keys)
     values = {**dict.fromkeys(keys, 0.0), **best.values}
     unknowns = Unknowns(scales.unknown(key, values) for key in keys)
-    excess = unknowns.vector(values) / unknowns.all("size")
-    index = {key: number for number, key in enumerate(keys)}
-    noise = best.inflation(SURE), best.rms**2, best.cost
-    there = Neighbourhood(about, index, len(known), excess, *noise)
-    return there, [there.candidate(model) for model in neighbours(present, absent, loads)]
+    return Neighbourhood.of(_about(cut, best, keys, scales), unknowns, values, best, SURE)
 
 
 def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Averaged:
@@ -201,8 +181,11 @@ def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Av
 
     Of friction that falls at once, ``stiction`` is the standard error.
     """
-    there, candidates = about_models(cut, best, scales, drift)
-    found = there.averaged(candidates)._replace(load=SIZE_OF_LOAD * there.hidden_load())
+    catalogue = catalogue_of(drift)
+    there = _neighbourhood(cut, best, scales, catalogue)
+    found = there.averaged(there.candidates(catalogue))._replace(
+        load=SIZE_OF_LOAD * there.hidden_load()
+    )
     if not best.values["alpha1"]:
         # A fall is as probable beside each of the models.
         alone = there.candidate(Model((), ()))
@@ -214,9 +197,9 @@ def averaged_errors(cut: Segments, best: Fit, scales: Scales, drift: bool) -> Av
     return found._replace(covariance=found.covariance + more, stiction=stiction)
 
 
-def wave_groups(scales: Scales) -> list[Group]:
-    """Cosine and sine of each wave of which the axis travels a whole turn."""
-    return [wave(n) for n in ORDERS if n * scales.travel > 2.0 * np.pi * TURNS]
+def wave_groups() -> list[Group]:
+    """Cosine and sine of each wave that an axis may have."""
+    return [wave(n) for n in ORDERS]
 
 
 def waves_of(best: Fit) -> list[Group]:
@@ -345,14 +328,13 @@ def falls_beside(cut: Segments, best: Fit, scales: Scales, count: int) -> list[C
         gained = explained_by(least, float(squares.sum()), noise[0])
         odds = log_odds(FALL[:1]) + float(np.log(part))
         found.append(Candidate(none, step, gained, odds, covered=best.covariance))
-    keys, known = (*best.unknowns.keys, FALL[0]), len(best.unknowns)
-    excess = np.append(best.unknowns.vector(best.values) / best.unknowns.all("size"), 0.0)
+    keys, known = (*best.keys, FALL[0]), len(best.unknowns)
     for relative in STRIBECK[1:]:
-        about = best._replace(
-            state=best.state._replace(values={**best.values, FALL[1]: relative * scales.speed})
-        )
-        index = {key: number for number, key in enumerate(keys)}
-        there = Neighbourhood(_about(cut, about, keys, scales), index, known, excess, *noise)
+        values = {**best.values, FALL[1]: relative * scales.speed}
+        about = best._replace(state=best.state._replace(values=values))
+        unknowns = Unknowns(scales.unknown(key, values) for key in keys)
+        linear = _about(cut, about, keys, scales)
+        there = Neighbourhood.of(linear, unknowns, values, best, SURE)
         model = Model((), (FALL[:1],))
         each = there.candidate(model)
         covered = there.covariance(model, each.step)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from furuta.identification.axis.averaging import Averaged, described
+from furuta.identification.averaging import Averaged, described
 from furuta.identification.axis.balance import Balance, balanced
 from furuta.identification.axis.effects import (
     ALWAYS,
@@ -31,13 +31,14 @@ from furuta.identification.fitted import (
     BY_CHANCE,
     NOT_DISTINGUISHABLE,
     doubts_of,
+    is_certain,
     natural,
     reported,
     residual_of,
 )
 from furuta.identification.least_squares import COARSE, Fit
 from furuta.identification.options import silent
-from furuta.identification.selection import chance_of, significance
+from furuta.identification.selection import chance_of
 from furuta.identification.unknowns import Key, field_of, name_of
 from furuta.identification.verdict import DOUBTFUL, EXPLAINED, NO, Residual, Verdict
 from furuta_model.parameters import ParameterError
@@ -66,7 +67,11 @@ WITHIN_ROW = 0.1
 # Correlation from which friction and offset are one, and part of the largest speed up to which an
 # axis does not turn back: it slides in one direction only.
 ONE_WAY, BACKWARD = 0.999, 0.01
-# What is said of a fit of the torques.
+# What is said where no fall of friction or no delay is found, and of a fit of the torques.
+NO_FALL = (
+    "no fall of friction after breakaway seen; stiction of up to {:.2g} above alpha0 would not show"
+)
+NO_DELAY = "taken as 0, and its possible effect is part of the errors"
 BALANCED = "fitted to the torque while the axis slides, because it does not predict the motion"
 
 
@@ -181,64 +186,49 @@ def _result(
     torques: Balance | None = None,
 ) -> AxisFit:
     """Values, errors and verdict, from the balance of torques if it is given."""
-    covered = best.covariance
     hidden = largest_hidden_fall(cut, best, scales)
-    about = Averaged(covered, [])
     if torques is not None:
-        best, covered = torques.fit, torques.covariance
+        best, about = torques.fit, torques.averaged
     else:
         about = averaged_errors(cut, best, scales, drift=len(recordings) == 1)
-        covered = about.covariance.copy()
-        if "delay" in best.unknowns.keys:
-            k = best.unknowns.keys.index("delay")
-            instant = WITHIN_ROW * max(each.interval for each in recordings)
-            covered[k, k] += (instant / best.unknowns[k].size) ** 2
+    covered = about.covariance.copy()
+    if "delay" in best.keys:
+        k = best.keys.index("delay")
+        instant = WITHIN_ROW * max(each.interval for each in recordings)
+        covered[k, k] += (instant / best.unknowns[k].size) ** 2
     groups = {key: [_together(key, best)] for key in best.unknowns.keys}
     groups |= {FALL[1]: [FALL[1:], FALL[:1]]}
-    values, errors, undetermined = reported(best, covered, groups, {("offset", 0): "offset"})
-    undetermined |= _explained_otherwise(best, about, undetermined)
+    report = reported(best, covered, groups, {("offset", 0): "offset"})
+    report.withhold(_explained_otherwise(best, about, report.undetermined))
     one_way = _one_way(recordings, best, covered)
-    undetermined |= one_way
-    values, errors = (
-        {name: value for name, value in each.items() if name not in undetermined}
-        for each in (values, errors)
+    report.withhold(one_way)
+    if best.values["alpha1"] and "alpha1" not in best.keys:
+        excess, error = float(best.values["alpha1"]), about.stiction
+        report.add("alpha1", excess, error, is_certain(excess, error, best.segments))
+        report.withhold({"stribeck_velocity": "friction falls at once after breakaway"})
+    seen = {*report.values, *report.undetermined}
+    report.withhold(
+        dict.fromkeys([name for name in FALL if name not in seen], NO_FALL.format(hidden))
     )
-    if best.values["alpha1"] and "alpha1" not in best.unknowns.keys:
-        value, error = float(best.values["alpha1"]), about.stiction
-        if significance(np.array([value]), np.array([[error**2]]), best.segments) < BY_CHANCE:
-            values["alpha1"], errors["alpha1"] = value, error
-        else:
-            undetermined["alpha1"] = f"{value:.3g} ± {error:.2g}: {NOT_DISTINGUISHABLE}"
-        undetermined["stribeck_velocity"] = "friction falls at once after breakaway"
-    for name in FALL:
-        if name not in {*values, *undetermined}:
-            undetermined[name] = (
-                f"no fall of friction after breakaway seen; stiction of up to {hidden:.2g} above "
-                "alpha0 would not show"
-            )
-    relative = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
-    doubts = list(doubts_of(best, residual, relative))
+    doubts = list(doubts_of(best, residual, report))
     if not residual.unexplained and residual.part > NOISY_PART:
         why = "the noise of the position is larger than the motion that forces cause"
         doubts.append((DOUBTFUL, f"{why}: record larger accelerations"))
     if one_way:
         doubts.append((DOUBTFUL, "the axis slides in one direction only: record reversals"))
     findings = findings_of(recordings)
-    if values.get("delay", 0.0) < 0.0:
-        late = -1e3 * values["delay"]
-        findings.append(
-            f"{recordings[0].name}: the torque is recorded {late:.2g} ms after it acted"
-        )
+    first, late = recordings[0], -1e3 * report.values.get("delay", 0.0)
+    if late > 0.0:
+        findings.append(f"{first.name}: the torque is recorded {late:.2g} ms after it acted")
     if torques is not None:
-        findings.append(f"{recordings[0].name}: {BALANCED}")
-        undetermined["delay"] = "taken as 0, and its possible effect is part of the errors"
-        undetermined["asymmetry"] = "acts like an offset while the axis slides"
-    first = recordings[0]
+        findings.append(f"{first.name}: {BALANCED}")
+        report.withhold({} if "delay" in best.keys else {"delay": NO_DELAY})
+        report.withhold({"asymmetry": "acts like an offset while the axis slides"})
     return AxisFit(
-        values=values,
-        standard_errors=errors,
-        undetermined=undetermined,
-        units={name: unit_of(name, first.units) for name in values},
+        values=report.values,
+        standard_errors=report.errors,
+        undetermined=report.undetermined,
+        units={name: unit_of(name, first.units) for name in report.values},
         verdict=Verdict.of(doubts),
         findings=findings,
         names=tuple(map(name_of, best.unknowns.keys)),
@@ -263,7 +253,7 @@ def _explained_otherwise(
 ) -> dict[str, str]:
     """Why values are undetermined that would be determined if other effects were known."""
     found = {}
-    for key, rival in zip(best.unknowns.keys, about.rivals, strict=bool(about.rivals)):
+    for key, rival in zip(best.unknowns.keys, about.rivals, strict=True):
         alone = chance_of(best, _together(key, best)) < BY_CHANCE
         if rival is not None and alone and name_of(key) in undetermined:
             why = undetermined[name_of(key)].removesuffix(NOT_DISTINGUISHABLE)

@@ -15,13 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.averaging import Catalogue
 from furuta.identification.axis.balance import (
     APART,
-    BY_CHANCE,
     FEWEST_BLOCKS,
-    INDEPENDENT,
     Rows,
-    covariance_with_missed,
+    averaged_balance,
     fitted_balance,
     left_over,
     sliding_rows,
@@ -36,15 +35,14 @@ from furuta.identification.axis.start import SLIDES
 from furuta.identification.bodies.linkage import Loads, link_loads, read_linkage
 from furuta.identification.errors import series_noise
 from furuta.identification.fitted import (
-    NOT_DISTINGUISHABLE,
     Fitted,
     doubts_of,
+    is_certain,
     natural,
     reported,
 )
 from furuta.identification.least_squares import Fit
 from furuta.identification.regression.windows import Windows
-from furuta.identification.selection import significance
 from furuta.identification.unknowns import Key, Values, field_of, name_of
 from furuta.identification.verdict import DOUBTFUL, LIMITS, Residual, Verdict
 from furuta_model.parameters import ParameterError
@@ -59,22 +57,14 @@ SHORTEST, SMALL = 0.06, 0.01
 COVERED = 0.5
 # What every joint has.
 ALWAYS: tuple[Key, ...] = ("inertia", "alpha0", "viscous", ("offset", 0))
-# Effects that are looked for, beside waves, with the arm's geometry; without it they only widen
-# the errors.
-EFFECTS: tuple[Key, ...] = (
-    "delay",
-    "viscous_difference",
-    "drag",
-    "gravity_friction",
-)
+# Effects that are looked for, beside waves.
+EFFECTS: tuple[Key, ...] = ("delay", "viscous_difference", "drag", "gravity_friction")
 # A parameter of the links, of which several make one load.
 LINK = "link"
 # Part of a load that is rounding.
 ROUNDING = 1e-6
-# Part of the squares that an approximation of the load explains, below which it is left out.
-EXPLAINS = 0.02
-# Blocks for each unknown of an approximation.
-BLOCKS = 1.0
+# Part of a column of the links that others do not explain, below which it is left out.
+INDEPENDENT = 0.02
 # Friction level that is expected before anything is known, in the torque.
 LEVEL = 0.1
 # Usual intervals without a position of another joint from which that is not interpolated.
@@ -119,26 +109,26 @@ def identify_arm_joint(
             f"{own.name}: the joint slides in one direction for {length:.2g} s in "
             f"{len(rows.torque)} places only; record longer or wider moves"
         )
-    links = _independent(rows) if urdf is not None else _relevant(rows)
-    first = _fitted(rows, links, arm)
+    links = _independent(rows)
+    first = _fitted(rows, links if urdf is not None else (), arm)
     arm = arm._replace(scales=_scales(arm.part, max(first.values["alpha0"], 0.0)))
-    best, effects = first, [(key,) for key in EFFECTS]
-    few = best.segments < FEWEST_BLOCKS * len(best.unknowns)
-    if few and urdf is not None:
+    best, effects = first, [*((key,) for key in EFFECTS), *wave_groups()]
+    few = best.segments < FEWEST_BLOCKS * best.determined
+    if urdf is None:
+        effects = [(key,) for key in links]
+    elif few:
         effects = []
         about.append(f"{own.name}: too short to look for {', '.join(map(name_of, EFFECTS))}")
-    for _ in range(SETTLED if effects else 0):
+    catalogue = Catalogue(effects)
+    for _ in range(SETTLED):
         weight = _functional(arm.loads.gravity, size, best) @ _vector(best)
         rows, size = _rows(arm, length, weight)
-        best = _fitted(rows, links, arm)
-        if urdf is not None:
-            best = with_effects(rows, best, arm.scales, effects)
-        if "gravity_friction" not in best.unknowns.keys:
+        base = _fitted(rows, links if urdf is not None else (), arm)
+        rows, best = with_effects(rows, base, arm.scales, catalogue)
+        if "gravity_friction" not in best.keys:
             break
-    covered = covariance_with_missed(rows, best, arm.scales, effects)
-    if urdf is None:
-        covered = covered + _shift(best, _fitted(rows, links[: len(links) // 2], arm))
-    noises = float(np.sqrt(np.mean(best.state.residuals**2))) / _noise(arm, best, length)
+    covered = averaged_balance(rows, best, arm.scales, catalogue).covariance
+    noises = rows.noise * best.rms / _noise(arm, best, length)
     left = Residual("torque", noises, left_over(rows, best))
     return _result(arm, best, covered, size, rows, left, about, urdf is not None)
 
@@ -229,7 +219,7 @@ def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarra
     """The balance, with a known load by gravity (n,), and the links' columns divided by a size."""
 
     def columns(windows: Windows, own: Recording, part: Smoothed) -> dict[Key, np.ndarray]:
-        found = torque_columns(windows, own, part, wave_groups(arm.scales), arm.scales.level)
+        found = torque_columns(windows, own, part, wave_groups(), arm.scales.level)
         found["gravity_friction"] = found["alpha0"] * windows.mean(np.abs(weight))
         links = windows.slope(arm.loads.momentum) + windows.mean(arm.loads.rest)
         found |= {(LINK, n): column for n, column in enumerate(links.T)}
@@ -246,15 +236,10 @@ def _rows(arm: _Arm, length: float, weight: np.ndarray) -> tuple[Rows, np.ndarra
     return rows, size
 
 
-def _own_basis(rows: Rows) -> np.ndarray:
-    """An orthonormal basis of what the joint has without the links."""
-    own = np.column_stack([rows.columns[key] for key in ALWAYS])
-    return np.linalg.qr(own / np.linalg.norm(own, axis=0))[0]
-
-
 def _independent(rows: Rows) -> list[Key]:
     """Parameters of the links that act differently from each other and from the joint's own."""
-    basis = _own_basis(rows)
+    own = np.column_stack([rows.columns[key] for key in ALWAYS])
+    basis = np.linalg.qr(own / np.linalg.norm(own, axis=0))[0]
     keys = [key for key in rows.columns if field_of(key) == LINK]
     left = np.column_stack([rows.columns[key] for key in keys])
     left = left - basis @ (basis.T @ left)
@@ -270,42 +255,10 @@ def _independent(rows: Rows) -> list[Key]:
     return chosen
 
 
-def _relevant(rows: Rows) -> list[Key]:
-    """Approximations of the load that explain the torque, as many as the blocks of time allow."""
-    basis = _own_basis(rows)
-    keys = [key for key in rows.columns if field_of(key) == LINK]
-    left = np.column_stack([rows.columns[key] for key in keys])
-    left = left - basis @ (basis.T @ left)
-    torque = rows.torque - basis @ (basis.T @ rows.torque)
-    chosen: list[Key] = []
-    most = int(len(np.unique(rows.block)) / BLOCKS) - len(ALWAYS)
-    for _ in range(min(most, len(keys))):
-        sizes = np.linalg.norm(left, axis=0)
-        usable = sizes > INDEPENDENT * np.sqrt(len(left))
-        gains = np.where(usable, (left.T @ torque) / np.maximum(sizes, 1e-300), 0.0) ** 2
-        k = int(np.argmax(gains))
-        if gains[k] < EXPLAINS * float(torque @ torque):
-            break
-        column = left[:, k] / sizes[k]
-        left = left - np.outer(column, column @ left)
-        torque = torque - column * (column @ torque)
-        chosen.append(keys[k])
-    return chosen
-
-
 def _fitted(rows: Rows, links: Sequence[Key], arm: _Arm) -> Fit:
     inertia = arm.scales.torque / float(np.sqrt(np.mean(arm.part.acceleration**2)))
     values: Values = {"inertia": inertia, "stribeck_velocity": arm.scales.speed}
     return fitted_balance(rows, (*ALWAYS, *links), arm.scales, values)
-
-
-def _shift(best: Fit, fewer: Fit) -> np.ndarray:
-    """Covariance (p, p) in sizes by how a fit with fewer approximations of the load differs."""
-    values = {**dict.fromkeys(best.unknowns.keys, 0.0), **fewer.values}
-    links = np.array([field_of(key) == LINK for key in best.unknowns.keys])
-    shift = (best.unknowns.vector(values) - _vector(best)) / best.unknowns.all("size")
-    shift[links] = 0.0
-    return np.outer(shift, shift)
 
 
 def _vector(best: Fit) -> np.ndarray:
@@ -335,39 +288,37 @@ def _result(
 ) -> Fitted:
     """Values, errors and verdict."""
     waves = {key: [wave] for wave in waves_of(best) for key in wave}
-    values, errors, undetermined = reported(best, covered, waves, {("offset", 0): "offset"})
-    for named in (values, errors, undetermined):
-        for key in best.unknowns.keys:
-            if field_of(key) == LINK:
-                named.pop(name_of(key), None)
+    # Each of what was left out may be as large as the usual torque.
+    left_out, like = _left_out(rows, best) if has_geometry else ([], np.zeros((len(best.keys), 0)))
+    like = like * arm.scales.torque
+    sizes = best.unknowns.all("size")[:, None]
+    report = reported(
+        best, covered + (like / sizes) @ (like / sizes).T, waves, {("offset", 0): "offset"}
+    )
+    for key in best.keys:
+        if field_of(key) == LINK:
+            report.remove(name_of(key))
     covariance = natural(best, covered)
-    for name, row, hidden in _loads_of(arm, best, size, rows):
-        value, variance = abs(float(row @ _vector(best))), float(row @ covariance @ row) + hidden
-        value = value if value > ROUNDING * arm.scales.torque * (name == "gravity") else 0.0
-        for named in (values, errors, undetermined):
-            named.pop(name, None)
-        if significance(np.array([value]), np.array([[variance]]), best.segments) < BY_CHANCE:
-            values[name], errors[name] = value, float(np.sqrt(variance))
-        else:
-            undetermined[name] = f"{value:.3g} ± {np.sqrt(variance):.2g}: {NOT_DISTINGUISHABLE}"
-    undetermined["asymmetry"] = "acts like an offset while the joint slides, and is a part of it"
-    for name in () if has_geometry else ("gravity", "offset"):
-        if values.pop(name, None) is not None:
-            del errors[name]
-        undetermined[name] = "needs the arm's geometry"
+    rounding = ROUNDING * arm.scales.torque
+    for name, row, others in _loads_of(arm, best, size, left_out):
+        hidden = others * arm.scales.torque - row @ like
+        value = abs(float(row @ _vector(best)))
+        error = float(np.sqrt(row @ covariance @ row + hidden @ hidden))
+        certain = is_certain(value, error, best.segments)
+        report.add(name, value, error, certain and (name != "gravity" or value > rounding))
+    reasons = {"asymmetry": "acts like an offset while the joint slides, and is a part of it"}
     if not has_geometry:
-        undetermined["gravity_friction"] = "is a part of alpha0; needs the arm's geometry"
-    known = errors["inertia"] / values["inertia"] if "inertia" in values else np.inf
-    doubts = list(doubts_of(best, left, known))
+        reasons |= dict.fromkeys(("gravity", "offset"), "needs the arm's geometry")
+        reasons |= {"gravity_friction": "is a part of alpha0; needs the arm's geometry"}
+    report.withhold(reasons)
+    doubts = list(doubts_of(best, left, report))
     if not left.unexplained and left.part > LIMITS[left.of].useless:
         doubts.append((DOUBTFUL, f"{100.0 * left.part:.0f} % of the torque is noise"))
     if not has_geometry:
         doubts.append((DOUBTFUL, "the load by the links is approximated: give the arm's geometry"))
     return Fitted(
-        values,
-        errors,
-        undetermined,
-        {name: unit_of(name, arm.own.units) for name in values},
+        *report,
+        {name: unit_of(name, arm.own.units) for name in report.values},
         Verdict.of(doubts),
         [*findings_of([arm.own]), *about],
         tuple(map(name_of, best.unknowns.keys)),
@@ -388,28 +339,30 @@ def _noise(arm: _Arm, best: Fit, length: float) -> float:
 
 
 def _loads_of(
-    arm: _Arm, best: Fit, size: np.ndarray, rows: Rows
-) -> Iterator[tuple[str, np.ndarray, float]]:
-    """How fitted unknowns (p,) make inertia and largest load by gravity.
-
-    And the variance by the links' parameters that the recorded moves do not tell from these: each
-    may be as large as the usual torque.
-    """
-    per_speed, gravity = arm.loads.per_speed, arm.loads.gravity[::EVERY]
-    inertia = np.mean(_functional(per_speed, size, best), axis=0)
-    inertia = inertia + (np.array([key == "inertia" for key in best.unknowns.keys]))
+    arm: _Arm, best: Fit, size: np.ndarray, left_out: Sequence[Key]
+) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """How fitted unknowns (p,), and what was left out, make inertia and largest load by gravity."""
+    others = [int(key[1]) for key in left_out]
+    per_speed, gravity = np.mean(arm.loads.per_speed, axis=0), arm.loads.gravity[::EVERY]
+    own = np.array([float(key == "inertia") for key in best.keys])
+    yield (
+        "inertia",
+        own + _functional(per_speed[None], size, best)[0],
+        (per_speed / size)[others],
+    )
     weights = _functional(gravity, size, best)
     pose = int(np.argmax(np.abs(weights @ _vector(best))))
-    keys = [key for key in rows.columns if field_of(key) == LINK and key not in best.unknowns.keys]
-    fitted = np.column_stack([rows.columns[key] for key in best.unknowns.keys])
+    yield "gravity", weights[pose], (gravity[pose] / size)[others]
+
+
+def _left_out(rows: Rows, best: Fit) -> tuple[list[Key], np.ndarray]:
+    """Parameters of the links that the recorded moves do not tell from what is fitted.
+
+    And how much of each unknown (p, k) acts like them.
+    """
+    keys = [key for key in rows.columns if field_of(key) == LINK and key not in best.keys]
+    fitted = np.column_stack([rows.columns[key] for key in best.keys])
     length = np.linalg.norm(fitted, axis=0)
     columns = np.column_stack([rows.columns[key] for key in keys]) if keys else fitted[:, :0]
     like = np.linalg.lstsq(fitted / length, columns, rcond=1e-9)[0] / length[:, None]
-    for name, row, full in (
-        ("inertia", inertia, np.mean(per_speed, axis=0) / size),
-        ("gravity", weights[pose], gravity[pose] / size),
-    ):
-        apart = full[[int(key[1]) for key in keys]] - row @ like
-        rounding = ROUNDING * np.max(np.abs(full), initial=0.0) * arm.scales.torque
-        floor = ROUNDING * arm.scales.torque if name == "gravity" else rounding
-        yield name, row, float(np.sum((apart * arm.scales.torque) ** 2)) + floor**2
+    return keys, like

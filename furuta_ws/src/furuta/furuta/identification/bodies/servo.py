@@ -15,7 +15,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from furuta.identification.axis.averaging import explained_by, few, mixture_errors
+from furuta.identification.averaging import explained_by, few, mixture_errors
 from furuta.identification.axis.motion import AxisModel, next_slide
 from furuta.identification.axis.segments import segmented, smoothed
 from furuta.identification.bodies.axis import NOTHING, model_of
@@ -170,18 +170,16 @@ def _starts(values: Values) -> Iterator[Values]:
 
 def _result(cut: Segments, best: Fit, covered: np.ndarray, recording: Recording) -> Fitted:
     """What is determined, and the verdict."""
-    values, errors, undetermined = reported(best, covered, {}, NAMES)
+    report = reported(best, covered, {}, NAMES)
     if "limit" not in best.unknowns.keys:
         late = recording.commanded_at(recording.time) - recording.measured[:, PHI]
         largest = float(np.max(np.abs(late)))
-        undetermined["limit"] = f"the loop does not reach it: at least {largest:.3g}"
+        report.undetermined["limit"] = f"the loop does not reach it: at least {largest:.3g}"
     residual = residual_of(best, cut, cut.noise)
     return Fitted(
-        values,
-        errors,
-        undetermined,
-        {name: UNITS.get(name, recording.units[0]) for name in values},
-        Verdict.of([*doubts_of(best, residual), *_repeated(recording)]),
+        *report,
+        {name: UNITS.get(name, recording.units[0]) for name in report.values},
+        Verdict.of([*doubts_of(best, residual, report, needed=False), *_repeated(recording)]),
         findings_of([recording]),
         tuple(NAMES.get(key, name_of(key)) for key in best.unknowns.keys),
         natural(best, covered),

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from furuta.identification.errors import noise_of
-from furuta.identification.fitting.waves import significant_orders
+from furuta.identification.fitting.waves import with_waves
 from furuta.identification.model import Model
 from furuta.identification.options import Options
 from furuta.identification.regression.speeds import turns_one_way
@@ -47,8 +47,6 @@ NOT_FOLLOWED = "no free run follows the recordings to the end"
 # How far an arm gives way while it sticks changes when it breaks away, and so all other values. It
 # is fitted even if the recordings do not show its value.
 STIFFNESS = "sigma0"
-# How often waves of the torque are looked for: strong ones hide weaker ones.
-ROUNDS_OF_WAVES = 2
 # What no fit can find of an arm that turns in one direction only; the Coulomb friction that is then
 # assumed, as a part of the largest command, and its upper limit.
 DRY = ("coulomb", "asymmetry")
@@ -192,32 +190,9 @@ def _common_fit(
     return optimise(recordings, keys, optimum.values, window, scale, robust=True)
 
 
-def _refitted(optimum: Optimum, keys: list[Key], start: ParameterValues) -> Optimum:
-    """A fit with more unknowns: the better one from a start, and from a fit of short segments.
-
-    Free runs have several optima, of which the one without the waves need not be the nearest.
-    """
-    short = optimise(
-        optimum.recordings,
-        keys,
-        start,
-        min(SEGMENT_LENGTHS[-1], optimum.window),
-        optimum.scale,
-        True,
-    )
-    fits = [optimum.refitted(keys, each) for each in (start, short.values)]
-    return min(fits, key=lambda each: each.fit.cost)
-
-
 def _final_fit(optimum: Optimum) -> Optimum:
     """The fit with torque ripple and bristle parameters as far as the data determine them."""
-    for _ in range(ROUNDS_OF_WAVES):
-        orders = significant_orders(optimum)
-        if not orders:
-            break
-        added = [key for order in orders for key in wave(order)]
-        start = optimum.values.changed(added, np.zeros(len(added)))
-        optimum = _refitted(optimum, [*optimum.keys, *added], start)
+    optimum = with_waves(optimum)
     bristle = [name for name in LUGRE if name not in optimum.keys]
     keys = [*optimum.keys, *identifiable(optimum, bristle)]
     return optimum.refitted(keys, optimum.values, FINE)

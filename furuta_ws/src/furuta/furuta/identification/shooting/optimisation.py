@@ -7,10 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
+from furuta.identification.averaging import Catalogue, Neighbourhood
 from furuta.identification.bodies.pendulum import Pendulum
-from furuta.identification.least_squares import Fit, Linearised, Problem, State, fit, linearised
+from furuta.identification.least_squares import (
+    Fit,
+    Linearised,
+    Problem,
+    State,
+    fit,
+    in_blocks,
+    linearised,
+)
 from furuta.identification.shooting.segments import cut_into_segments
-from furuta.identification.shooting.unknowns import ParameterValues, unknowns_of
+from furuta.identification.shooting.unknowns import BODY, ParameterValues, unknowns_of
 from furuta.identification.unknowns import Key
 from furuta_model.state import THETA
 from furuta_recordings.recording import Recording
@@ -19,6 +28,9 @@ from furuta_recordings.recording import Recording
 SMALLEST_MOTION = 1e-6
 # Relative change of the sum of squares at which a fit ends: the last fit, and one on the way.
 FINE, COARSE = 1e-9, 1e-4
+# Length [s] of a block, within which residuals may be correlated in any way, and unknowns of which
+# every block informs.
+BLOCK, SURE = 0.5, (*BODY, "viscous", "coulomb")
 # Consecutive samples that carry the information of one, where errors of the model dominate noise.
 CORRELATED_SAMPLES = 100.0
 
@@ -43,6 +55,31 @@ class Optimum(NamedTuple):
     def keys(self) -> list[Key]:
         """The fitted unknowns."""
         return list(self.fit.unknowns.keys)
+
+    @property
+    def cost(self) -> float:
+        """That of residuals, first states and priors."""
+        return self.fit.cost
+
+    def inflation(self, sure: Sequence[Key]) -> float:
+        """Variance by blocks over that of white noise."""
+        return self.in_blocks().inflation(sure)
+
+    def in_blocks(self) -> Fit:
+        """The fit by blocks of time, whatever the segments are."""
+        return self.fit._replace(about=self._blocks(self.about()))
+
+    def neighbourhood(self, catalogue: Catalogue) -> Neighbourhood:
+        """The problem about the fit with all effects of a catalogue."""
+        keys = list(catalogue.keys(self.keys))
+        values = ParameterValues({**dict.fromkeys(keys, 0.0), **self.fit.values})
+        about = self._blocks(self.about(keys[len(self.keys) :]))
+        best = self.fit._replace(about=about.first(len(self.keys)))
+        unknowns = unknowns_of(keys, values)
+        return Neighbourhood.of(about, unknowns, values.coordinates, best, SURE)
+
+    def _blocks(self, about: Linearised) -> Linearised:
+        return in_blocks(about, self.problem.cut, self.fit.state, BLOCK)
 
     @property
     def vector(self) -> np.ndarray:

@@ -24,6 +24,8 @@ ASSUMED = "the arm turns in one direction only: a smaller command would have the
 NO_EFFECT = "it has no effect on these recordings"
 NOT_SEPARABLE = "its effect cannot be separated from that of other parameters"
 AT_END = "the fit ends at"
+# Standard errors by which a delay is below 0 in a log whose commands are late.
+LATE = 2.0
 LOGGED_LATE = "the commands are logged later than they act"
 # Part of the range within which a value is at its end.
 END = 1e-3
@@ -60,7 +62,11 @@ def undetermined(model: Model) -> dict[str, str]:
     """Unknowns that the data do not determine, each with the reason."""
     reasons = {name_of(key): _reason(model, index) for index, key in enumerate(model.keys)}
     missing = {n: REASONS[n] for n in (*LUGRE, "asymmetry") if n not in model.keys}
-    if model.values["delay"] + model.command_delay < 0.0:
+    delay = model.values["delay"] + model.command_delay
+    if "delay" in model.keys:
+        k = model.keys.index("delay")
+        delay += LATE * float(np.sqrt(model.covariance[k, k]))
+    if delay < 0.0:
         reasons["delay"] = LOGGED_LATE
     return {name: reason for name, reason in (reasons | missing).items() if reason}
 

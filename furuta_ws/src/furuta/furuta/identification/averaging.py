@@ -1,26 +1,27 @@
-"""Errors over all models that explain a recording about as well as the best one.
+"""Which effects act, and errors over all models that explain a recording about as well.
 
-Which effects act is not known, so the posterior of a value is a mixture over models (Hoeting and
-others 1999): of the best one, with one effect more, with one less, or with another in its place.
-Each is one Gauss-Newton step from the best, and counts by its evidence: how probable its effects
-are beforehand, how well it explains the segments, and how little it could have explained otherwise.
+That is not known, so the posterior of a value is a mixture over models (Hoeting and others 1999):
+of the best one, with one effect more, with one less, or with another in its place. Each is one
+Gauss-Newton step from the best, and counts by its evidence: how probable its effects are
+beforehand, how well it explains the blocks, and how little it could have explained otherwise. The
+best one is found by the same steps, each refitted.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from scipy.special import log_ndtr, ndtr, stdtrit
 
 from furuta.identification.errors import at_least, inverse, jackknife
-from furuta.identification.least_squares import Linearised
-from furuta.identification.unknowns import Key, field_of, name_of
+from furuta.identification.least_squares import Fit, Linearised
+from furuta.identification.unknowns import Key, Unknowns, Values, field_of, name_of
 
 Group = tuple[Key, ...]
-# Probability that an axis has an effect, before anything is known of it; of a wave of any order.
+# Probability that a body has an effect, before anything is known of it; of a wave of any order.
 PROBABLE = {
     "spring": 0.1,
     "gravity_sin": 0.4,
@@ -29,11 +30,15 @@ PROBABLE = {
     "drift": 0.2,
     "load_friction": 0.2,
     "alpha1": 0.07,
+    "delay": 0.3,
+    "gravity_friction": 0.2,
+    "link": 0.1,
 }
 A_WAVE, ORDERS = 0.3, range(2, 49)
 HARMONIC = sum(1.0 / n for n in ORDERS)
 # The effects that are never negative.
-LOADED, EXCESS = "load_friction", "alpha1"
+LOADED = "load_friction"
+NEVER_NEGATIVE = (LOADED, "gravity_friction", "alpha1")
 # Largest Occam factor in the errors: effects of any size are as probable, over e decades.
 DECADES = 1.0
 # Part of the squares that one linear step surely leaves.
@@ -45,11 +50,38 @@ NEGLIGIBLE = 1e-4
 BEYOND = ((2.0, 0.0455), (4.0, 0.005))
 
 
+# Most changes of a model, and those that a fit may refuse; logarithm of the evidence from which one
+# is made.
+MOST_CHANGES, MOST_REFUSED, SURER = 15, 3, 0.5
+
+
+class Catalogue(NamedTuple):
+    """Effects that may act; those that depend on the position alone are ``loads`` as well."""
+
+    effects: Sequence[Group]
+    loads: Sequence[Group] = ()
+
+    def about(self, known: Iterable[Key]) -> tuple[list[Group], list[Group]]:
+        """The effects that a fit of ``known`` unknowns has, and those that it does not have."""
+        fitted = set(known)
+        present = [group for group in self.effects if group[0] in fitted]
+        return present, [group for group in self.effects if group[0] not in fitted]
+
+    def keys(self, known: Sequence[Key]) -> tuple[Key, ...]:
+        """The ``known`` unknowns, then those of all other effects."""
+        return (*known, *(key for group in self.about(known)[1] for key in group))
+
+
 class Model(NamedTuple):
     """What differs from the best fit: effects ``dropped`` and ``added``."""
 
     dropped: tuple[Group, ...]
     added: tuple[Group, ...]
+
+    def keys(self, known: Iterable[Key]) -> list[Key]:
+        """Its unknowns, if the best fit has the ``known`` ones."""
+        gone = {key for group in self.dropped for key in group}
+        return [key for key in known if key not in gone] + [k for each in self.added for k in each]
 
 
 class Averaged(NamedTuple):
@@ -129,7 +161,12 @@ class Candidate(NamedTuple):
 
 
 class Neighbourhood(NamedTuple):
-    """The problem about a fit with all effects of the catalogue, and the models about it."""
+    """The problem about a fit with all effects of the catalogue, and the models about it.
+
+    ``rows`` are those of the unknowns, of which the first are ``fitted``; ``excess`` is how far
+    they are from what is expected, in sizes. ``inflation`` is the variance by blocks over that of
+    white noise, ``variance`` that of a residual; so many blocks are ``free``.
+    """
 
     about: Linearised
     rows: dict[Key, int]
@@ -138,6 +175,25 @@ class Neighbourhood(NamedTuple):
     inflation: float
     variance: float
     cost: float
+    free: float
+
+    @classmethod
+    def of(
+        cls, about: Linearised, unknowns: Unknowns, values: Values, best: Fit, sure: Sequence[Key]
+    ) -> Neighbourhood:
+        """About the ``best`` fit, whose unknowns are the first of all ``unknowns``.
+
+        Every block informs of those that are ``sure``.
+        """
+        excess = (unknowns.vector(values) - unknowns.all("mean")) / unknowns.all("size")
+        rows = {key: number for number, key in enumerate(unknowns.keys)}
+        noise = best.inflation(sure), best.rms**2, best.cost, best.segments - best.determined
+        return cls(about, rows, len(best.unknowns), excess, *noise)
+
+    def candidates(self, catalogue: Catalogue) -> list[Candidate]:
+        """All models about the fit."""
+        present, absent = catalogue.about(list(self.rows)[: self.fitted])
+        return [self.candidate(each) for each in neighbours(present, absent, catalogue.loads)]
 
     def candidate(self, model: Model) -> Candidate:
         """One Gauss-Newton step to a model."""
@@ -158,7 +214,7 @@ class Neighbourhood(NamedTuple):
             for group in model.dropped:
                 inside = [self.rows[key] for key in group]
                 expected += self._occam(group, whole[np.ix_(inside, inside)]) - log_odds(group)
-        for positive in (key for key in (LOADED, EXCESS) if (key,) in model.added):
+        for positive in (key for key in NEVER_NEGATIVE if (key,) in model.added):
             # It is never negative: the mean of what is left of its distribution.
             k = rows.index(self.rows[positive])
             deviation = float(np.sqrt(inverted[k, k] * self.inflation))
@@ -232,7 +288,7 @@ class Neighbourhood(NamedTuple):
             for w, each, shift in zip(weight, covered, shifts, strict=True)
         )
         own = np.array([np.diag(each) for each in covered])
-        sigma = mixture_errors(weight, shifts, own * few(len(self.about.scores) - self.fitted))
+        sigma = mixture_errors(weight, shifts, own * few(self.free))
         apart = weight[:, None] * shifts**2
         rivals = [
             likely[k].model if apart[k, j] > 0.25 * sigma[j] ** 2 else None
@@ -242,7 +298,7 @@ class Neighbourhood(NamedTuple):
         return Averaged(total * np.outer(factor, factor), rivals)
 
 
-def few(freedom: int) -> float:
+def few(freedom: float) -> float:
     """How much larger a variance is to be taken that few blocks tell, so many of them free."""
     return float(0.5 * stdtrit(max(freedom, 3), ndtr(2.0))) ** 2
 
@@ -282,3 +338,43 @@ def mixture_errors(weight: np.ndarray, shifts: np.ndarray, variances: np.ndarray
             high = np.where(outside > allowed, high, middle)
         found = np.maximum(found, high)
     return found
+
+
+class Searched(Protocol):
+    """A fit that a search may change."""
+
+    @property
+    def keys(self) -> Sequence[Key]:
+        """The fitted unknowns."""
+
+    @property
+    def cost(self) -> float:
+        """That of residuals, first states and priors."""
+
+    def inflation(self, sure: Sequence[Key]) -> float:
+        """Variance by blocks over that of white noise."""
+
+
+Best = TypeVar("Best", bound=Searched)
+
+
+def most_probable(
+    base: Best,
+    models: Callable[[Best], Iterable[Candidate]],
+    refitted: Callable[[Best, Model], Best],
+    sure: Sequence[Key],
+) -> Best:
+    """The most probable model that is found by single changes, each refitted."""
+    best, about, refused = base, list(models(base)), set[frozenset[Key]]()
+    for _ in range(MOST_CHANGES):
+        left = (c for c in about if frozenset(c.model.keys(best.keys)) not in refused)
+        chosen = max(left, key=lambda each: each.evidence)
+        if not chosen.evidence > SURER or len(refused) >= MOST_REFUSED:
+            break
+        other = refitted(best, chosen.model)
+        gained = explained_by(best.cost, other.cost, best.inflation(sure)) + chosen.expected
+        if gained > 0.0:
+            best, about = other, list(models(other))
+        else:
+            refused.add(frozenset(chosen.model.keys(best.keys)))
+    return best
