@@ -12,6 +12,8 @@ from furuta.axis.draws import drawn_axes
 from furuta.identification.axis.fit import AxisFit
 from furuta.identification.axis.friction_curve import axis_followed, axis_friction
 from furuta.identification.axis.identify import identify_axis
+from furuta.identification.axis.motion import level
+from furuta.identification.bodies.axis import model_of
 from furuta.identification.verdict import Verdict
 from furuta_model.parameters import ParameterError
 from furuta_recordings.readers import read_axis
@@ -263,9 +265,9 @@ def test_published_drive() -> None:
     for known, held_out in ((first, second), (second, first)):
         fit = identify_axis(known)
         assert fit.values["inertia"] == pytest.approx(95.1, rel=0.02)
+        law = model_of(fit.fit.values)
         for v in (0.02, 0.05, 0.1):
-            force = fit.values["alpha0"] + fit.values["viscous"] * v
-            force += fit.values.get("drag", 0.0) * v**2
+            force = level(v, 0.0, law) + law.viscous * v
             assert force == pytest.approx(20.39 + 203.5 * v, rel=0.04)
         # The errors of the values alone allow 5 mm. The axis travels 246 mm.
         assert fit.error(held_out, own_offset=True) < 2e-3

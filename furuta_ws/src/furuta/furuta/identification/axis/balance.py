@@ -27,7 +27,6 @@ from furuta.identification.averaging import (
 from furuta.identification.axis.effects import (
     FALL,
     GRAVITY,
-    LOADED,
     STRIBECK,
     SURE,
     Scales,
@@ -101,7 +100,7 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     keys = [key for key in about.keys if key not in TESTED]
     if min(map(_longest, recordings)) < SHORTEST:
         return None
-    drifts = catalogue_of(drift=len(recordings) == 1, without=[LOADED])
+    drifts = catalogue_of(drift=len(recordings) == 1, loaded=False)
     catalogue = drifts._replace(effects=[("delay",), *drifts.effects])
 
     def columns(windows: Windows, recording: Recording, part: Smoothed) -> dict[Key, np.ndarray]:

@@ -41,7 +41,7 @@ from furuta.identification.unknowns import Key, Unknown, Unknowns, Values, field
 EXCESSES, FINELY = np.geomspace(0.05, 1.5, 9), np.geomspace(0.03, 1.6, 40)
 STRIBECK = (0.0, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Standard deviation, before anything is known of it, of an asymmetry, of the drag at the usual
-# speed in the Coulomb level, of friction per torque, and of any other effect in the usual torque.
+# speed in the friction there, of friction per torque, and of any other effect in the usual torque.
 ASYMMETRY, DRAG, LOAD, EFFECT = 0.2, 0.3, 0.1, 1.0
 # Usual change of friction per torque.
 SIZE_OF_LOAD = 0.05
@@ -76,10 +76,22 @@ GRAVITY = ("gravity_sin", "gravity_cos")
 
 
 class Scales:
-    """Usual torque, level, speed and travel of the recordings, from which sizes follow."""
+    """Usual torque, friction, speed and travel of the recordings, from which sizes follow.
 
-    def __init__(self, torque: float, level: float, speed: float, travel: float, length: float):
+    ``friction`` is that at the usual speed, of which the ``level`` is the Coulomb friction.
+    """
+
+    def __init__(
+        self,
+        torque: float,
+        level: float,
+        viscous: float,
+        speed: float,
+        travel: float,
+        length: float,
+    ):
         self.torque, self.level, self.speed = torque, max(level, 0.02 * torque), speed
+        self.friction = self.level + max(viscous, 0.0) * speed
         self.travel, self.length = travel, length
 
     def unknown(self, key: Key, values: Values) -> Unknown:
@@ -95,8 +107,8 @@ class Scales:
             "asymmetry": (0.1, ASYMMETRY),
             "alpha1": (self.level, effect),
             "stribeck_velocity": (max(values["stribeck_velocity"], 1e-9), 10.0 * self.speed),
-            "viscous_difference": (self.level / self.speed, DRAG * self.level / self.speed),
-            "drag": (self.level / self.speed**2, DRAG * self.level / self.speed**2),
+            "viscous_difference": (self.level / self.speed, DRAG * self.friction / self.speed),
+            "drag": (self.level / self.speed**2, DRAG * self.friction / self.speed**2),
             "drift": (self.level / self.length, effect / self.length),
             "load_friction": (SIZE_OF_LOAD, LOAD),
             "gravity_friction": (SIZE_OF_LOAD, LOAD),
@@ -141,19 +153,26 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
         values = {**best.values, **dict.fromkeys(gone, 0.0)}
         return fitted(cut, keys, scales, values, best.state.first, rough(best))
 
-    def searched(best: Fit, without: Sequence[Key] = ()) -> Fit:
-        catalogue = catalogue_of(drift, without)
-        return most_probable(
-            best,
-            lambda each: _neighbourhood(cut, each, scales, catalogue).candidates(catalogue),
-            refitted,
-            SURE,
-        )
+    catalogue = catalogue_of(drift)
+    last: list[tuple[Fit, list[Candidate]]] = []
 
-    best = searched(base, LIKE_A_FALL)
+    def models(best: Fit) -> list[Candidate]:
+        if not last or last[0][0] is not best:
+            candidates = _neighbourhood(cut, best, scales, catalogue).candidates(catalogue)
+            last[:] = [(best, candidates)]
+        return last[0][1]
+
+    def before_a_fall(best: Fit) -> list[Candidate]:
+        return [
+            each
+            for each in models(best)
+            if not any(group[0] in LIKE_A_FALL for group in each.model.added)
+        ]
+
+    best = most_probable(base, before_a_fall, refitted, SURE)
     for _ in range(FALLS):
         fall = _falling(cut, best, scales)
-        before, best = best, searched(fall or best)
+        before, best = best, most_probable(fall or best, models, refitted, SURE)
         if fall is None and best is before:
             break
     best = fitted(cut, best.keys, scales, best.values, best.state.first)
@@ -161,10 +180,10 @@ def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
     return _with_fall_or_without(cut, best, scales) if falls else best
 
 
-def catalogue_of(drift: bool, without: Sequence[Key] = ()) -> Catalogue:
-    """All effects that an axis may have."""
+def catalogue_of(drift: bool, loaded: bool = True) -> Catalogue:
+    """All effects that an axis may have, friction that grows with the load among them."""
     loads: list[Group] = [("spring",), GRAVITY, *wave_groups()]
-    singles = [(n,) for n in (*smooth_effects(drift), LOADED) if n not in without]
+    singles = [(name,) for name in (*smooth_effects(drift), *([LOADED] if loaded else ()))]
     return Catalogue([*loads, *singles], loads)
 
 

@@ -29,7 +29,7 @@ class AxisFit(Fitted, IdentifiedAxis):
         return prepared(run)
 
     def _unknowns(self, free: Sequence[Key]) -> Unknowns:
-        scales = Scales(1.0, 1.0, 1.0, 1.0, 1.0)
+        scales = Scales(1.0, 1.0, 0.0, 1.0, 1.0, 1.0)
         return Unknowns(scales.unknown(key, self.fit.values) for key in free)
 
     def _by_name(self) -> dict[str, Any]:

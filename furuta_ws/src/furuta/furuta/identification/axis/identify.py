@@ -172,7 +172,7 @@ def _first_fits(recordings: Sequence[Recording], cut: Segments) -> Iterator[tupl
     gravity = GRAVITY if travel > GRAVITY_TRAVEL else ()
     offsets = [("offset", number) for number in range(len(recordings))]
     for values in first_values(recordings, even, bool(gravity)):
-        scales = Scales(torque, values["alpha0"], speed, travel, length)
+        scales = Scales(torque, values["alpha0"], values["viscous"], speed, travel, length)
         keys = (*ALWAYS, *offsets, *gravity)
         yield fitted(cut, keys, scales, values, enough=COARSE), scales
 

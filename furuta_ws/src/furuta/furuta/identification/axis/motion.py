@@ -19,6 +19,8 @@ from furuta_model.compiled import inlined
 
 # Below this product of damping and time the exponential is its series.
 SMALL = 1e-3
+# Times [s] that are none, and slides and stops within a step; more are not looked for.
+SHORTEST, MOST_EVENTS = 1e-12, 6
 
 
 class AxisModel(NamedTuple):

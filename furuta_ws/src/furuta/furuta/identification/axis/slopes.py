@@ -13,6 +13,8 @@ from math import exp
 import numpy as np
 
 from furuta.identification.axis.motion import (
+    MOST_EVENTS,
+    SHORTEST,
     SMALL,
     AxisData,
     AxisModel,
@@ -25,10 +27,6 @@ from furuta.identification.bodies.body import Segments
 from furuta.identification.unknowns import Key
 from furuta_model.compiled import compiled, inlined
 
-# Times [s] that are none.
-SHORTEST = 1e-12
-# Slides and stops within a step; more are not looked for.
-MOST_EVENTS = 6
 # What a tangent belongs to, if not to a field of the model.
 POSITION, SPEED, OFFSET, COSINE, SINE = -2, -1, -3, -4, -5
 

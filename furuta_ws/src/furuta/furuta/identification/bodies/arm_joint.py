@@ -19,6 +19,7 @@ from furuta.identification.averaging import Catalogue
 from furuta.identification.axis.balance import (
     APART,
     FEWEST_BLOCKS,
+    GAP,
     Rows,
     averaged_balance,
     fitted_balance,
@@ -67,8 +68,6 @@ ROUNDING = 1e-6
 INDEPENDENT = 0.02
 # Friction level that is expected before anything is known, in the torque.
 LEVEL = 0.1
-# Usual intervals without a position of another joint from which that is not interpolated.
-GAP = 5.0
 # Fewest rows for each unknown.
 FEWEST_ROWS = 3.0
 # Samples over which a load is searched for its largest value: every so many.
@@ -111,7 +110,9 @@ def identify_arm_joint(
         )
     links = _independent(rows)
     first = _fitted(rows, links if urdf is not None else (), arm)
-    arm = arm._replace(scales=_scales(arm.part, max(first.values["alpha0"], 0.0)))
+    arm = arm._replace(
+        scales=_scales(arm.part, max(first.values["alpha0"], 0.0), first.values["viscous"])
+    )
     best, effects = first, [*((key,) for key in EFFECTS), *wave_groups()]
     few = best.segments < FEWEST_BLOCKS * best.determined
     if urdf is None:
@@ -171,7 +172,7 @@ def _arm(
     parts = {own.joint: part, **{name: smoothed(each) for name, each in positions.items()}}
     q = {name: each.position for name, each in parts.items()}
     v = {name: each.speed for name, each in parts.items()}
-    scales = _scales(part, LEVEL * float(np.sqrt(np.mean(part.torque**2))))
+    scales = _scales(part, LEVEL * float(np.sqrt(np.mean(part.torque**2))), 0.0)
     if urdf is None:
         return _Arm(own, part, _dictionary(own.joint, q, v), scales), []
     joints = read_linkage(urdf)
@@ -192,9 +193,10 @@ def _sliding(part: Smoothed) -> float:
     return float(np.mean(speed > SLIDES * np.max(speed)) * np.ptp(part.time))
 
 
-def _scales(part: Smoothed, level: float) -> Scales:
+def _scales(part: Smoothed, level: float, viscous: float) -> Scales:
     torque, speed = (float(np.sqrt(np.mean(each**2))) for each in (part.torque, part.speed))
-    return Scales(torque, level, speed, float(np.ptp(part.position)), float(np.ptp(part.time)))
+    travel, length = float(np.ptp(part.position)), float(np.ptp(part.time))
+    return Scales(torque, level, viscous, speed, travel, length)
 
 
 def _dictionary(own: str, q: Mapping[str, np.ndarray], v: Mapping[str, np.ndarray]) -> Loads:

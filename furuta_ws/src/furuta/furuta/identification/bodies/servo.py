@@ -16,8 +16,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from furuta.identification.averaging import explained_by, few, mixture_errors
-from furuta.identification.axis.motion import AxisModel, next_slide
+from furuta.identification.axis.effects import AT_ONCE, EXCESSES, SURE
+from furuta.identification.axis.motion import MOST_EVENTS, SHORTEST, AxisModel, next_slide
 from furuta.identification.axis.segments import segmented, smoothed
+from furuta.identification.axis.start import SLIDES
 from furuta.identification.bodies.axis import NOTHING, model_of
 from furuta.identification.bodies.body import Differentiated, Segments
 from furuta.identification.fitted import Fitted, doubts_of, natural, reported, residual_of
@@ -32,10 +34,8 @@ from furuta_recordings.recording import Recording, findings_of
 
 # Longest step of the integration [s]: within one the loop's pull is that of its middle.
 STEP = 5e-4
-# Slides and stops within a step, and times [s] that are none.
-MOST_EVENTS, SHORTEST = 6, 1e-12
-# Delays [s] that the first estimate tries, and part of the largest speed that surely slides.
-DELAYS, SLIDES = np.arange(0.0, 0.05, 0.002), 0.05
+# Delays [s] that the first estimate tries.
+DELAYS = np.arange(0.0, 0.05, 0.002)
 # Limits that are tried first, in the largest error of the loop.
 LIMITS = np.geomspace(0.1, 1.0, 10)
 # Starts that are fitted, and inertias [s²] that are tried first with the damping of a usual loop.
@@ -43,10 +43,6 @@ TRIED = 3
 INERTIAS = np.geomspace(1e-4, 1e-2, 9)
 # Stiction that is tried first, in the friction of a slide.
 STICTION = (0.0, 0.5)
-# Stiction that is tried, in the friction of a slide, and its Stribeck velocity in a fast speed.
-EXCESSES, AT_ONCE = np.geomspace(0.05, 1.5, 12), 1e-6
-# Unknowns of which every segment with motion informs.
-SURE = ("inertia", "alpha0", "viscous")
 # Correlation of a goal with itself, some time later, from which it repeats, and below which it has
 # changed before; and how often it then repeats at least.
 REPEATS, CHANGED, OFTEN = 0.97, 0.5, 4

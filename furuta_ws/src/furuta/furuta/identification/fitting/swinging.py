@@ -80,7 +80,6 @@ def fit_swinging(
     zeros = ["zero"] if len(numbers) == 1 else zeros
     ceiling = ["ceiling"] if np.isfinite(start["ceiling"]) and options.ceiling is None else []
     optimum = _common_fit(recordings, [*keys, *zeros, *ceiling], own_fits, window)
-    optimum = optimum.refitted([*optimum.keys, STIFFNESS], optimum.values)
     free = options.window is None
     why = NOT_FOLLOWED if free and worst_pendulum_fit(optimum) < HOPELESS_FREE_RUN_FIT else ""
     if not why:
@@ -168,7 +167,7 @@ def fit_growing_segments(
 def _common_fit(
     recordings: list[Recording], keys: list[Key], own_fits: list[Optimum], window: float
 ) -> Optimum:
-    """A coarse fit of all recordings together, each with its own zero.
+    """A coarse fit of all recordings together, each with its own zero, with the stiffness at last.
 
     Several are fitted from the fit of the one that suits all best: a common fit from a worse start
     can end in a local optimum.
@@ -187,7 +186,7 @@ def _common_fit(
         start = min(starts, key=common_misfit)
         optimum = optimise(recordings, keys, start, window, scale, robust=True)
     scale = residual_scale(optimum)
-    return optimise(recordings, keys, optimum.values, window, scale, robust=True)
+    return optimise(recordings, [*keys, STIFFNESS], optimum.values, window, scale, robust=True)
 
 
 def _final_fit(optimum: Optimum) -> Optimum:
