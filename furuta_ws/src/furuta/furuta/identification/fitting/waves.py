@@ -7,7 +7,7 @@ from furuta.identification.averaging import (
     Model,
     most_probable,
 )
-from furuta.identification.shooting.optimisation import SHORT_BLOCK, SURE, Optimum, optimise
+from furuta.identification.shooting.optimisation import SURE, Optimum, optimise
 from furuta.identification.shooting.unknowns import wave
 
 # Over less than a turn neighbouring orders look alike; one of them stands for all.
@@ -37,7 +37,7 @@ def with_waves(optimum: Optimum) -> Optimum:
 
 
 def _models(optimum: Optimum) -> list[Candidate]:
-    return optimum.neighbourhood(WAVES, SHORT_BLOCK).candidates(WAVES)
+    return optimum.neighbourhood(WAVES).candidates(WAVES)
 
 
 def _refitted(optimum: Optimum, model: Model) -> Optimum:

@@ -28,10 +28,9 @@ from furuta_recordings.recording import Recording
 SMALLEST_MOTION = 1e-6
 # Relative change of the sum of squares at which a fit ends: the last fit, and one on the way.
 FINE, COARSE = 1e-9, 1e-4
-# Length [s] of a block, within which residuals may be correlated in any way, and of one that tells
-# waves apart; unknowns of which every block informs.
-BLOCK, SHORT_BLOCK = 0.5, 0.1
-SURE = (*BODY, "viscous", "coulomb")
+# Length [s] of a block, within which residuals may be correlated in any way, and unknowns of which
+# every block informs.
+BLOCK, SURE = 0.5, (*BODY, "viscous", "coulomb")
 # Consecutive samples that carry the information of one, where errors of the model dominate noise.
 CORRELATED_SAMPLES = 100.0
 
@@ -63,24 +62,24 @@ class Optimum(NamedTuple):
         return self.fit.cost
 
     def inflation(self, sure: Sequence[Key]) -> float:
-        """Variance by short blocks over that of white noise."""
-        return self.in_blocks(SHORT_BLOCK).inflation(sure)
+        """Variance by blocks over that of white noise."""
+        return self.in_blocks().inflation(sure)
 
-    def in_blocks(self, length: float = BLOCK) -> Fit:
-        """The fit by blocks of a ``length`` [s], whatever the segments are."""
-        return self.fit._replace(about=self._blocks(self.about(), length))
+    def in_blocks(self) -> Fit:
+        """The fit by blocks of time, whatever the segments are."""
+        return self.fit._replace(about=self._blocks(self.about()))
 
-    def neighbourhood(self, catalogue: Catalogue, length: float = BLOCK) -> Neighbourhood:
-        """The problem about the fit with all effects of a catalogue, by blocks."""
+    def neighbourhood(self, catalogue: Catalogue) -> Neighbourhood:
+        """The problem about the fit with all effects of a catalogue."""
         keys = list(catalogue.keys(self.keys))
         values = ParameterValues({**dict.fromkeys(keys, 0.0), **self.fit.values})
-        about = self._blocks(self.about(keys[len(self.keys) :]), length)
+        about = self._blocks(self.about(keys[len(self.keys) :]))
         best = self.fit._replace(about=about.first(len(self.keys)))
         unknowns = unknowns_of(keys, values)
         return Neighbourhood.of(about, unknowns, values.coordinates, best, SURE)
 
-    def _blocks(self, about: Linearised, length: float) -> Linearised:
-        return in_blocks(about, self.problem.cut, self.fit.state, length)
+    def _blocks(self, about: Linearised) -> Linearised:
+        return in_blocks(about, self.problem.cut, self.fit.state, BLOCK)
 
     @property
     def vector(self) -> np.ndarray:
