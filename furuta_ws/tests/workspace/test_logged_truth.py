@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 from sources import ROOT
 
+import furuta
+from furuta_recordings.recording import Recording
+
 TRUTH = ("sticking_motion", "logged_motions", "logged_chains", "logged_rigs")
 
 
@@ -44,3 +47,23 @@ def test_a_measured_torque_is_logged_after_it_acted() -> None:
     for log in map(draw, (2, 3, 5)):
         assert ("torque measured" in log.traits) == (log.values["delay"] < 0.0)
         assert len(log.time) == len(log.position) == len(log.command)
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(3010, id="an arm that sticks"),
+        pytest.param(3009, id="slow reversals, which look late", marks=pytest.mark.long),
+        pytest.param(3019, id="a wave too small to be found", marks=pytest.mark.long),
+    ],
+)
+def test_errors_of_a_sticking_arm_hold(seed: int) -> None:
+    """Its stiffness, delay or waves that were not found explain no false certainty."""
+    log, measured = import_module("logged_rigs").logged_rig(seed)
+    recording = Recording("rig", log.time, measured, log.time, log.command, in_radians=True)
+    fit = furuta.identify(recording)
+    known = fit.standard_errors.keys() & log.values.keys()
+    assert fit.usable == "yes" and len(known) >= 7
+    for name in known:
+        off = (fit.values[name] - log.values[name]) / fit.standard_errors[name]
+        assert abs(off) < 3.0, name
