@@ -111,6 +111,10 @@ def _values(axis: Axis, delay: float) -> dict[str, float]:
     left_out = ("lag", "stiffness", "limit", "waves")
     values = {name: value for name, value in axis._asdict().items() if name not in left_out}
     for order, cosine, sine in axis.waves:
+        if order == 1.0:  # that is gravity
+            values["gravity_cos"] = values.get("gravity_cos", 0.0) + cosine
+            values["gravity_sin"] = values.get("gravity_sin", 0.0) + sine
+            continue
         values |= {f"cos {order:.0f}": cosine, f"sin {order:.0f}": sine}
     return {name: float(value) for name, value in values.items() if value} | {"delay": delay}
 
