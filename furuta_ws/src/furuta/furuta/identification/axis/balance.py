@@ -114,7 +114,8 @@ def balanced(recordings: Sequence[Recording], about: Fit, scales: Scales) -> Bal
     rows = sliding_rows(recordings, length, columns)
     if len(np.unique(rows.block)) < FEWEST_BLOCKS * len(keys):
         return None
-    values = {**about.values, **dict.fromkeys((FALL[0], *TESTED), 0.0)}
+    absent: list[Key] = [FALL[0], *TESTED]
+    values = {**about.values, **dict.fromkeys(absent, 0.0)}
     rows, best = with_effects(rows, fitted_balance(rows, keys, scales, values), scales, catalogue)
     averaged = averaged_balance(rows, best, scales, catalogue)
     return Balance(best, averaged, left_over(rows, best), _with_fall(rows, best, scales))
