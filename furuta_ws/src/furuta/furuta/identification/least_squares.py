@@ -27,8 +27,9 @@ FINE, COARSE = 0.05, 2.0
 KEPT_PROMISE = 0.5
 # Where a motion that leaves all bounds is held, in residuals that count as one.
 FAR = 1e9
-# Largest slope, in what counts as one per size: products of steeper ones would hide the priors.
-STEEP = 1e6
+# Largest slope in a first state, in what counts as one per size: products of steeper ones would
+# hide what is expected of the others. Unknowns may have any size, so theirs may be far steeper.
+STEEP, STEEPEST = 1e6, 1e9
 # Largest change of a first state in an iteration, in its standard deviations.
 LARGEST = 2.0
 # Most searches of first speeds, and relative gain from which the fit goes on after one.
@@ -220,8 +221,9 @@ def linearised(problem: Problem, state: State) -> Linearised:
     columns, states = problem.body.slopes(state.values, state.first, cut, unknowns)
     factor = _weights(state.residuals, robust)
     weight = (cut.weight * factor)[:, :, None]
-    columns = _bounded(columns * (weight * unknowns.all("size")))
-    states = _bounded(states * (weight * np.repeat(cut.spread, cut.lengths, axis=0)[:, None, :]))
+    spreads = np.repeat(cut.spread, cut.lengths, axis=0)[:, None, :]
+    columns = _bounded(columns * (weight * unknowns.all("size")), STEEPEST)
+    states = _bounded(states * (weight * spreads), STEEP)
     r, off = state.residuals * factor, _in_spreads(cut, cut.first - state.first)
     blocks, scores = np.empty((count, p, p)), np.empty((count, p))
     back, own, promise = np.empty((count, k, p)), np.empty((count, k)), 0.0
@@ -276,9 +278,9 @@ def in_blocks(about: Linearised, cut: Segments, state: State, length: float) -> 
     return about._replace(blocks=np.array(blocks), scores=np.array(scores))
 
 
-def _bounded(slopes: np.ndarray) -> np.ndarray:
+def _bounded(slopes: np.ndarray, most: float) -> np.ndarray:
     np.nan_to_num(slopes, copy=False)
-    return np.clip(slopes, -STEEP, STEEP, out=slopes)
+    return np.clip(slopes, -most, most, out=slopes)
 
 
 def fit(
