@@ -226,8 +226,12 @@ def test_slow_joint_whose_torque_does_not_predict_its_motion() -> None:
     fit = identify_axis(Recording("joint", time, measured, time, torque))
     assert any("fitted to the torque" in finding for finding in fit.findings)
     assert fit.usable == "doubtful"
+    # Over this travel a spring is not much worse than gravity, which is fitted but not sure.
+    errors = np.sqrt(np.diag(fit.covariance))
     for name in ("inertia", "alpha0", "viscous", "gravity_sin"):
-        assert abs(fit.values[name] - truth[name]) < 3.0 * fit.standard_errors[name], name
+        error = errors[fit.names.index(name)]
+        assert abs(fit.fit.values[name] - truth[name]) < 3.0 * error, name
+        assert error < 0.3 * truth[name]
     assert fit.standard_errors["inertia"] < 0.3 * truth["inertia"]
     assert fit.values["alpha0"] == pytest.approx(14.0, rel=0.03)
 

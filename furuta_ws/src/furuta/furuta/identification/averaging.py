@@ -213,7 +213,9 @@ class Neighbourhood(NamedTuple):
             whole = inverse(about.information[: self.fitted, : self.fitted])
             for group in model.dropped:
                 inside = [self.rows[key] for key in group]
-                expected += self._occam(group, whole[np.ix_(inside, inside)]) - log_odds(group)
+                occam = self._occam(group, whole[np.ix_(inside, inside)])
+                expected += occam - log_odds(group)
+                smaller = max(smaller - occam, 0.0)
         for positive in (key for key in NEVER_NEGATIVE if (key,) in model.added):
             # It is never negative: the mean of what is left of its distribution.
             k = rows.index(self.rows[positive])

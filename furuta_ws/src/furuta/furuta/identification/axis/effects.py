@@ -144,40 +144,40 @@ def rough(about: Fit) -> float:
 def supported(cut: Segments, base: Fit, scales: Scales, drift: bool) -> Fit:
     """The most probable model that is found by single changes, each refitted.
 
-    Effects that a fall of friction may stand for come after the search for one.
+    A fall of friction is looked for where an effect would be added that may stand for one, and
+    after the others.
     """
+    catalogue, looked = catalogue_of(drift), list[Fit]()
+
+    def models(best: Fit) -> list[Candidate]:
+        return _neighbourhood(cut, best, scales, catalogue).candidates(catalogue)
 
     def refitted(best: Fit, model: Model) -> Fit:
         keys = model.keys(best.keys)
         gone = [key for key in best.keys if key not in keys]
         values = {**best.values, **dict.fromkeys(gone, 0.0)}
-        return fitted(cut, keys, scales, values, best.state.first, rough(best))
+        other = fitted(cut, keys, scales, values, best.state.first, rough(best))
+        like_a_fall = any(group[0] in LIKE_A_FALL for group in model.added)
+        if like_a_fall and not looked and not best.values["alpha1"]:
+            looked.append(best)
+            fall = _falling(cut, best, scales)
+            return fall if fall is not None and _gained(other, fall) else other
+        return other
 
-    catalogue = catalogue_of(drift)
-    last: list[tuple[Fit, list[Candidate]]] = []
-
-    def models(best: Fit) -> list[Candidate]:
-        if not last or last[0][0] is not best:
-            candidates = _neighbourhood(cut, best, scales, catalogue).candidates(catalogue)
-            last[:] = [(best, candidates)]
-        return last[0][1]
-
-    def before_a_fall(best: Fit) -> list[Candidate]:
-        return [
-            each
-            for each in models(best)
-            if not any(group[0] in LIKE_A_FALL for group in each.model.added)
-        ]
-
-    best = most_probable(base, before_a_fall, refitted, SURE)
+    best = most_probable(base, models, refitted, SURE)
     for _ in range(FALLS):
         fall = _falling(cut, best, scales)
-        before, best = best, most_probable(fall or best, models, refitted, SURE)
-        if fall is None and best is before:
+        if fall is None:
             break
+        best = most_probable(fall, models, refitted, SURE)
     best = fitted(cut, best.keys, scales, best.values, best.state.first)
-    falls = best.values["alpha1"] or FALL[0] in best.keys
-    return _with_fall_or_without(cut, best, scales) if falls else best
+    if not best.values["alpha1"] and FALL[0] not in best.keys:
+        return best
+    keys, values = _without(best, FALL)
+    without = fitted(cut, keys, scales, values, best.state.first, rough(best))
+    # What a fall stood for may be another effect.
+    without = most_probable(without, models, refitted, SURE)
+    return _with_fall_or_without(cut, best, without, scales)
 
 
 def catalogue_of(drift: bool, loaded: bool = True) -> Catalogue:
@@ -232,14 +232,12 @@ def _without(best: Fit, dropped: Iterable[Key]) -> tuple[list[Key], Values]:
     return keys, {**best.values, **dict.fromkeys(dropped, 0.0)}
 
 
-def _with_fall_or_without(cut: Segments, best: Fit, scales: Scales) -> Fit:
-    """The fit with a fall that may be over at once, or without one if that is as probable."""
+def _with_fall_or_without(cut: Segments, best: Fit, without: Fit, scales: Scales) -> Fit:
+    """The fit with a fall that may be over at once, or ``without`` one if that is as probable."""
     if best.values["stribeck_velocity"] < SHORT * scales.speed:
         velocity = AT_ONCE * scales.speed
         best = fit_with_fall(cut, best, {**best.values, "stribeck_velocity": velocity}, scales)
     best = fitted(cut, best.unknowns.keys, scales, best.values, best.state.first)
-    keys, values = _without(best, FALL)
-    without = fitted(cut, keys, scales, values, best.state.first, rough(best))
     falls = best.values["alpha1"] > SMALLEST * scales.level
     return best if falls and _gained(without, best) else without
 
