@@ -201,7 +201,7 @@ class Neighbourhood(NamedTuple):
         about, step = self.about, np.zeros(len(self.about.gradient))
         step[dropped] = -self.excess[dropped]
         right = about.gradient[rows] - about.information[np.ix_(rows, dropped)] @ step[dropped]
-        inverted = inverse(about.information[np.ix_(rows, rows)])
+        inverted = inverse(about.information[np.ix_(rows, rows)], about.prior[rows])
         step[rows] = inverted @ right
         expected = smaller = 0.0
         for group in model.added:
@@ -253,8 +253,10 @@ class Neighbourhood(NamedTuple):
         information = about.information[np.ix_(rows, rows)]
         blocks = about.blocks[:, rows][:, :, rows]
         scores = (about.scores - about.blocks @ step)[:, rows]
-        inverted = inverse(information)
-        found = jackknife(information, blocks, scores) + (inverted * about.scatter[rows]) @ inverted
+        prior = about.prior[rows]
+        inverted = inverse(information, prior)
+        found = jackknife(information, blocks, scores, prior)
+        found = found + (inverted * about.scatter[rows]) @ inverted
         found = at_least(found, inverted * self.variance)
         own = [k for k, row in enumerate(rows) if row < self.fitted]
         covered = np.zeros((self.fitted, self.fitted))

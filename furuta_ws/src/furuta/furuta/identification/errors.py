@@ -40,17 +40,19 @@ def noise_of(recording: Recording) -> np.ndarray:
     return np.where(np.isfinite(sizes), sizes, 1.0)
 
 
-def inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse (..., p, p) of an information in any units.
+def inverse(matrix: np.ndarray, prior: np.ndarray | float = 0.0) -> np.ndarray:
+    """Inverse (..., p, p) of an information in any units, of which ``prior`` (p,) is a part.
 
-    A direction that it does not determine becomes uncertain; a pseudo-inverse would call it exact.
+    A direction that it does not determine is as uncertain as before; a pseudo-inverse would call it
+    exact.
     """
     diagonal = np.diagonal(matrix, axis1=-2, axis2=-1)
     scale = 1.0 / np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     values, vectors = np.linalg.eigh(matrix * (scale[..., :, None] * scale[..., None, :]))
     vectors = scale[..., :, None] * vectors
     unknown = values < UNKNOWN * np.max(values, axis=-1, keepdims=True, initial=1e-300)
-    loose = np.sum(vectors**2, axis=-2) / ANYTHING**2
+    least = np.broadcast_to(prior, diagonal.shape) + 1.0 / ANYTHING**2
+    loose = np.sum(least[..., :, None] * vectors**2, axis=-2)
     kept = np.where(unknown, loose, values)
     found: np.ndarray = (vectors / kept[..., None, :]) @ np.swapaxes(vectors, -1, -2)
     return found
@@ -69,7 +71,12 @@ def at_least(covariance: np.ndarray, least: np.ndarray) -> np.ndarray:
     return found
 
 
-def jackknife(information: np.ndarray, blocks: np.ndarray, scores: np.ndarray) -> np.ndarray:
+def jackknife(
+    information: np.ndarray,
+    blocks: np.ndarray,
+    scores: np.ndarray,
+    prior: np.ndarray | float = 0.0,
+) -> np.ndarray:
     """Covariance (p, p) of a fit by leaving out one block of time after the other.
 
     ``blocks`` (b, p, p) are the blocks' parts of the information, ``scores`` (b, p) those of the
@@ -77,7 +84,7 @@ def jackknife(information: np.ndarray, blocks: np.ndarray, scores: np.ndarray) -
     Gauss-Newton step per block: within a block residuals may be correlated in any way. With few
     blocks a sandwich estimate ignores how much each of them has influenced the fit.
     """
-    left = inverse(information - blocks)
+    left = inverse(information - blocks, prior)
     # A block may be all that tells of a direction.
     shift = np.clip(np.einsum("bij,bj->bi", left, scores), -ANYTHING, ANYTHING)
     covariance: np.ndarray = (len(shift) - 1) / len(shift) * shift.T @ shift

@@ -137,7 +137,7 @@ class Fit(NamedTuple):
     @property
     def determined(self) -> float:
         """The number of unknowns that the data determine; of one that they hardly do, a part."""
-        of_prior = np.diag(inverse(self.about.information)) * self.about.prior
+        of_prior = np.diag(inverse(self.about.information, self.about.prior)) * self.about.prior
         return float(len(self.unknowns) - np.sum(np.clip(of_prior, 0.0, 1.0)))
 
     @property
@@ -152,7 +152,9 @@ class Fit(NamedTuple):
 
         In no direction is it smaller than that of white noise: few segments may inform of one.
         """
-        return at_least(covariance(self.about), inverse(self.about.information) * self.rms**2)
+        return at_least(
+            covariance(self.about), inverse(self.about.information, self.about.prior) * self.rms**2
+        )
 
     def inflation(self, sure: Sequence[Key]) -> float:
         """Variance by segments over that of white noise.
@@ -160,7 +162,7 @@ class Fit(NamedTuple):
         It is the median over unknowns of which every segment informs, at least that of white
         residuals, and at most that of residuals that last as long as a segment.
         """
-        white = np.diag(inverse(self.about.information))
+        white = np.diag(inverse(self.about.information, self.about.prior))
         own = np.diag(self.covariance)
         kept = [k for k, key in enumerate(self.unknowns.keys) if key in sure]
         longest = len(self.about.columns) / self.segments
@@ -174,9 +176,9 @@ def covariance(about: Linearised) -> np.ndarray:
 
     What is left of an encoder's counts is no white noise. The priors' part is added.
     """
-    inverted = inverse(about.information)
+    inverted = inverse(about.information, about.prior)
     of_prior = (inverted * about.scatter) @ inverted
-    return jackknife(about.information, about.blocks, about.scores) + of_prior
+    return jackknife(about.information, about.blocks, about.scores, about.prior) + of_prior
 
 
 def _weights(r: np.ndarray, robust: bool) -> np.ndarray:

@@ -227,7 +227,7 @@ def fitted_balance(rows: Rows, keys: Sequence[Key], scales: Scales, values: Valu
     unknowns = _unknowns(keys, scales, values)
     start = unknowns.changed(values, np.zeros(len(unknowns)))
     about, _ = _linear(rows, unknowns, start)
-    step = inverse(about.information) @ about.gradient
+    step = inverse(about.information, about.prior) @ about.gradient
     there = unknowns.changed(values, unknowns.all("size") * step)
     about, left = _linear(rows, unknowns, there)
     none, prior = np.zeros((0, 0)), step @ (about.prior * step)
