@@ -33,9 +33,9 @@ for name in ("alpha", "beta", "gamma", "delta", "coulomb", "viscous"):
     print(f"{name} {found[name]:.5f} ± {found['standard_errors'][name]:.5f}")
 
 # prints
-# alpha 0.02830 ± 0.00003
-# beta 0.01464 ± 0.00010
-# gamma 0.00943 ± 0.00006
-# delta 0.37917 ± 0.00248
-# coulomb 0.24994 ± 0.00012
-# viscous 0.01997 ± 0.00006
+# alpha 0.02830 ± 0.00004
+# beta 0.01464 ± 0.00015
+# gamma 0.00943 ± 0.00009
+# delta 0.37917 ± 0.00380
+# coulomb 0.24994 ± 0.00019
+# viscous 0.01997 ± 0.00010
