@@ -83,13 +83,11 @@ def test_what_acts_is_found_and_nothing_else(seed: int) -> None:
 
 
 def test_an_effect_that_another_explains_as_well_is_as_uncertain_as_it_is_large() -> None:
-    """One of two that are alike is fitted; the other may act in its place."""
+    """One of two that are alike is fitted; the other may act beside it or in its place."""
     best, averaged = searched(measured_with(0, spring=0.3))
     one = next(key for key in best.keys if key in ("spring", "drift"))
     k = best.keys.index(one)
-    assert np.sqrt(averaged.covariance[k, k]) > 0.1 * abs(best.values[one])
-    rival = averaged.rivals[k]
-    assert rival is not None and rival.added
+    assert np.sqrt(averaged.covariance[k, k]) > 0.5 * abs(best.values[one])
 
 
 def test_a_change_that_a_fit_refuses_is_not_tried_again() -> None:
