@@ -109,7 +109,8 @@ def identify_arm_joint(
             f"{len(rows.torque)} places only; record longer or wider moves"
         )
     links = _independent(rows)
-    first = _fitted(rows, links if urdf is not None else (), arm)
+    always = links if urdf is not None else []
+    first = _fitted(rows, always, arm)
     arm = arm._replace(
         scales=_scales(arm.part, max(first.values["alpha0"], 0.0), first.values["viscous"])
     )
@@ -124,8 +125,7 @@ def identify_arm_joint(
     for _ in range(SETTLED):
         weight = _functional(arm.loads.gravity, size, best) @ _vector(best)
         rows, size = _rows(arm, length, weight)
-        base = _fitted(rows, links if urdf is not None else (), arm)
-        rows, best = with_effects(rows, base, arm.scales, catalogue)
+        rows, best = with_effects(rows, _fitted(rows, always, arm), arm.scales, catalogue)
         if "gravity_friction" not in best.keys:
             break
     covered = averaged_balance(rows, best, arm.scales, catalogue).covariance

@@ -85,8 +85,8 @@ def is_linear(optimum: Optimum) -> bool:
     Those of a pendulum that turns over the top, or nearly, in a free run do not: their sum of
     squares has many minima, and each of them looks certain.
     """
-    about, problem = optimum.about(), optimum.problem._replace(robust=False)
-    covariance, state = optimum.in_blocks().covariance, optimum.fit.state
+    best, problem = optimum.in_blocks(), optimum.problem._replace(robust=False)
+    about, covariance, state = best.about, best.covariance, best.state
     at_optimum = residuals(problem, state.values, solved(problem, state, about))
     for name in BODY:
         index = optimum.keys.index(name)
